@@ -1,0 +1,60 @@
+// Handles: places of a mesh that the user moves, and where they should go.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <variant>
+
+#include "core/mesh/mesh.h"
+
+namespace arap {
+
+struct VertexAnchor {
+  std::uint32_t vertex = 0;
+};
+struct TriangleAnchor {
+  std::uint32_t triangle = 0;
+  std::array<double, 3> barycentric{};  // in the order of the triangle's vertices as the client sent them
+};
+struct PointAnchor {
+  Complex position;  // units of the mesh; its triangle is found, the lowest index where they overlap
+};
+
+// What to do with a PointAnchor outside the mesh.
+enum class Outside { kError, kSnap };
+
+struct Handle {
+  // Weight of the paper's rows (w = 1000) on the squared residual [algorithm §1].
+  static constexpr double kDefaultWeight = 1e6;
+  static constexpr double kMinWeight = 1e-6;
+  static constexpr double kMaxWeight = 1e12;
+
+  std::string id;
+  std::variant<VertexAnchor, TriangleAnchor, PointAnchor> anchor;
+  double weight = kDefaultWeight;  // on the squared residual; ignored when hard
+  bool hard = false;               // meet the target exactly
+  bool oriented = false;           // hold orientation and scale too: the whole triangle is placed
+  double area_radius = 0;          // hold every vertex within this rest distance; implies oriented
+  Outside outside = Outside::kError;
+  double depth = 0;                // for the drawing order, higher is nearer
+  double depth_falloff = 0;        // rest distance over which depth fades to 0; 0: constant
+};
+
+// Where a handle should go. Angle and scale are against the rest pose; oriented handles only.
+struct Target {
+  Complex position;
+  double angle = 0;  // radians
+  double scale = 1;
+};
+
+// A handle as it was found on the mesh.
+struct PlacedHandle {
+  Handle handle;
+  Complex rest;                 // units of the mesh
+  double snapped_distance = 0;  // how far Outside::kSnap moved it
+  std::uint32_t component = 0;
+};
+
+}  // namespace arap

@@ -1,0 +1,39 @@
+// Validation: the one place that decides whether a mesh is acceptable, and what is repaired.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/mesh/mesh.h"
+
+namespace arap {
+
+struct MeshLimits {
+  std::size_t max_vertices = 1'000'000;
+  std::size_t max_triangles = 2'000'000;
+};
+
+// Something repaired or ignored; never an error.
+struct Warning {
+  std::string kind;                     // "reversed_triangles", "unreferenced_vertices", …
+  std::size_t count = 0;                // how many elements
+  std::vector<std::uint32_t> elements;  // the first few, at most Fault::kMaxElements
+  std::string message;                  // a sentence
+};
+
+// A triangle is degenerate when its smallest height is below this fraction of its longest edge, or its
+// longest edge is below this fraction of the bounding-box diagonal.
+inline constexpr double kDegenerateRatio = 1e-9;
+
+// Checks a mesh in place. Faults: kEmptyMesh, kMeshTooLarge, kNonFiniteCoordinate, kIndexOutOfRange,
+// kRepeatedIndex, kDuplicateTriangle, kNonManifoldEdge, kNotOrientable (surfaces), kDegenerateTriangle;
+// each with the first offending ids. Planar triangles that run clockwise are turned round; surface
+// triangles are turned to agree with the first triangle of their component. Both are warned of, as are
+// unreferenced vertices. O(#F log #F).
+Result<std::vector<Warning>> ValidatePlanar(PlanarMesh& mesh, const MeshLimits& limits);
+Result<std::vector<Warning>> ValidateSurface(SurfaceMesh& mesh, const MeshLimits& limits);
+
+}  // namespace arap
