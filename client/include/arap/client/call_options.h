@@ -1,0 +1,14 @@
+// What may be said about any call.
+#pragma once
+
+#include <chrono>
+#include <optional>
+
+namespace arap::client {
+
+struct CallOptions {
+  // How long the whole call may take; the server gives up too. Without it a call waits for ever.
+  std::optional<std::chrono::milliseconds> timeout;
+};
+
+}  // namespace arap::client

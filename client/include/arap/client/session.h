@@ -1,0 +1,97 @@
+// Session: a namespace of meshes and handle sets on the server, which expires when unused.
+//
+// A Session is a value that names the session; copies name the same one, and dropping it leaves the
+// session on the server. All members may be called from any thread at the same time. Every call
+// sends the id as the header "x-session-id", by which a load balancer finds the replica.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "arap/client/call_options.h"
+#include "arap/client/deform_stream.h"
+#include "arap/client/error.h"
+#include "arap/client/handles.h"
+#include "arap/client/mesh.h"
+#include "arap/client/shape.h"
+
+namespace arap::client {
+
+namespace internal {
+class Channel;
+}
+
+struct SessionInfo {
+  std::string id;
+  std::chrono::system_clock::time_point create_time;
+  std::chrono::system_clock::time_point expire_time;  // unless it is used before
+  std::chrono::nanoseconds ttl{0};                    // life without use
+  std::map<std::string, std::string> labels;
+  std::vector<std::string> mesh_ids;
+  std::vector<std::string> handle_set_ids;
+};
+
+class Session {
+ public:
+  // Receives the frames of a track in order. Return false to stop: the call answers kCancelled.
+  using FrameCallback = std::function<bool(Shape&& shape)>;
+
+  const std::string& id() const { return id_; }
+
+  // Does not extend the session's life.
+  Result<SessionInfo> Get(const CallOptions& call = {}) const;
+  // Ends the session; its open streams end with kNotFound.
+  Status Delete(const CallOptions& call = {}) const;
+
+  // Validates and factors a mesh. An empty `mesh_id` means one made of the content hash.
+  Result<RegisteredMesh> RegisterMesh(const PlanarMesh& mesh, const EnergyOptions& energy,
+                                      const std::string& mesh_id = {},
+                                      const CallOptions& call = {}) const;
+  Result<MeshInfo> GetMesh(const std::string& mesh_id, const CallOptions& call = {}) const;
+  // Forgets a mesh and the handle sets on it.
+  Status DeleteMesh(const std::string& mesh_id, const CallOptions& call = {}) const;
+
+  Result<CompiledHandles> CompileHandles(const std::string& handle_set_id,
+                                         const std::string& mesh_id,
+                                         std::span<const Handle> handles,
+                                         const CallOptions& call = {}) const;
+  // Removes first, then adds. Nothing changes when it fails.
+  Result<CompiledHandles> EditHandles(const std::string& handle_set_id,
+                                      std::span<const std::string> remove,
+                                      std::span<const Handle> add,
+                                      const CallOptions& call = {}) const;
+  Result<HandleSetInfo> GetHandleSet(const std::string& handle_set_id,
+                                     const CallOptions& call = {}) const;
+  Status DeleteHandleSet(const std::string& handle_set_id, const CallOptions& call = {}) const;
+
+  // One target for every handle of the set, in any order. `pick_points` are deformed points x y x
+  // y…, at most 1024, to map back to rest.
+  Result<Shape> Deform(const std::string& handle_set_id, std::span<const HandleTarget> targets,
+                       const DeformOptions& options, std::span<const double> pick_points = {},
+                       const CallOptions& call = {}) const;
+
+  // A whole track; `handle_ids` names every handle of the set once and orders the columns of the
+  // frames. `on_frame` runs on the calling thread, once per frame.
+  Status DeformTrack(const std::string& handle_set_id, std::span<const std::string> handle_ids,
+                     std::span<const TrackFrame> frames, const DeformOptions& options,
+                     const FrameCallback& on_frame, const CallOptions& call = {}) const;
+
+  // Opens a live stream and waits until the server has opened it. The timeout of `call` is that of
+  // the whole stream.
+  Result<DeformStream> OpenStream(const std::string& handle_set_id, Delivery delivery,
+                                  const DeformOptions& options, const CallOptions& call = {}) const;
+
+ private:
+  friend class Client;
+  Session(std::shared_ptr<internal::Channel> channel, std::string id);
+
+  std::shared_ptr<internal::Channel> channel_;
+  std::string id_;
+};
+
+}  // namespace arap::client

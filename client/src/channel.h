@@ -1,0 +1,51 @@
+// The gRPC channel with the stubs on it, shared by everything that a Client hands out.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <grpcpp/grpcpp.h>
+
+#include "arap/client/call_options.h"
+#include "arap/client/error.h"
+#include "arap/v1/deformation_service.grpc.pb.h"
+#include "arap/v1/flattening_service.grpc.pb.h"
+#include "arap/v1/server_service.grpc.pb.h"
+#include "client/src/status.h"
+
+namespace arap::client::internal {
+
+class Channel {
+ public:
+  explicit Channel(const std::string& address);
+
+  grpc::Channel& grpc() const { return *channel_; }
+  v1::DeformationService::Stub& deformation() const { return *deformation_; }
+  v1::FlatteningService::Stub& flattening() const { return *flattening_; }
+  v1::ServerService::Stub& server() const { return *server_; }
+
+ private:
+  std::shared_ptr<grpc::Channel> channel_;
+  std::unique_ptr<v1::DeformationService::Stub> deformation_;
+  std::unique_ptr<v1::FlatteningService::Stub> flattening_;
+  std::unique_ptr<v1::ServerService::Stub> server_;
+};
+
+// Sets the deadline, and the session header unless `session_id` is empty.
+void Prepare(grpc::ClientContext& context, const CallOptions& call, const std::string& session_id);
+
+// One unary call: `method` is the stub's.
+template <class Stub, class Request, class Response>
+Result<Response> Call(Stub& stub,
+                      grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
+                      const Request& request, const CallOptions& call,
+                      const std::string& session_id = {}) {
+  grpc::ClientContext context;
+  Prepare(context, call, session_id);
+  Response response;
+  const grpc::Status status = (stub.*method)(&context, request, &response);
+  if (!status.ok()) return Fail(FaultOf(status));
+  return response;
+}
+
+}  // namespace arap::client::internal

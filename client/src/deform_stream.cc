@@ -1,0 +1,64 @@
+#include "arap/client/deform_stream.h"
+
+#include <utility>
+
+#include "arap/client/session.h"
+#include "client/src/deform_stream_impl.h"
+
+namespace arap::client {
+
+using internal::Append;
+using internal::ToWire;
+
+Result<DeformStream> Session::OpenStream(const std::string& handle_set_id, Delivery delivery,
+                                         const DeformOptions& options,
+                                         const CallOptions& call) const {
+  v1::OpenStream open;
+  open.set_session_id(id_);
+  open.set_handle_set_id(handle_set_id);
+  open.set_delivery(delivery == Delivery::kEvery ? v1::DELIVERY_EVERY : v1::DELIVERY_LATEST);
+  ToWire(options, open.mutable_options());
+  auto impl = std::make_unique<DeformStream::Impl>(channel_, call, id_);
+  return impl->Open(open).map([&] { return DeformStream(std::move(impl)); });
+}
+
+DeformStream::DeformStream(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+DeformStream::DeformStream(DeformStream&&) noexcept = default;
+DeformStream& DeformStream::operator=(DeformStream&&) noexcept = default;
+DeformStream::~DeformStream() = default;
+
+const HandleSetInfo& DeformStream::handle_set() const { return impl_->handle_set(); }
+
+Status DeformStream::Send(const HandleUpdate& update) {
+  v1::StreamDeformRequest request;
+  v1::HandleUpdate& out = *request.mutable_update();
+  out.set_sequence(update.sequence);
+  for (const HandleTarget& target : update.targets) ToWire(target, out.add_targets());
+  Append(std::span(update.positions), out.mutable_positions());
+  Append(std::span(update.pick_points), out.mutable_pick_points());
+  return impl_->Write(request);
+}
+
+Status DeformStream::Edit(std::uint64_t sequence, std::span<const std::string> remove,
+                          std::span<const Handle> add) {
+  v1::StreamDeformRequest request;
+  v1::HandleEdit& out = *request.mutable_edit();
+  out.set_sequence(sequence);
+  out.mutable_remove()->Add(remove.begin(), remove.end());
+  for (const Handle& handle : add) ToWire(handle, out.add_add());
+  return impl_->Write(request);
+}
+
+Status DeformStream::Ping(std::uint64_t nonce) {
+  v1::StreamDeformRequest request;
+  request.mutable_ping()->set_nonce(nonce);
+  return impl_->Write(request);
+}
+
+Status DeformStream::CloseSending() { return impl_->WritesDone(); }
+
+Result<std::optional<StreamEvent>> DeformStream::Read() { return impl_->Read(); }
+
+void DeformStream::Cancel() { impl_->Cancel(); }
+
+}  // namespace arap::client

@@ -1,0 +1,88 @@
+#include "client/src/status.h"
+
+#include <algorithm>
+#include <charconv>
+#include <string>
+
+#include "google/rpc/error_details.pb.h"
+
+namespace arap::client {
+
+std::string_view Detail(const Fault& fault, std::string_view name) {
+  for (const auto& [key, value] : fault.details) {
+    if (key == name) return value;
+  }
+  return {};
+}
+
+namespace internal {
+namespace {
+
+// Whatever separates them: the ids are the runs of digits.
+void ReadElements(std::string_view text, Fault& fault) {
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (at != end) {
+    std::uint32_t id = 0;
+    const auto [next, error] = std::from_chars(at, end, id);
+    if (error == std::errc()) fault.Element(id);
+    at = next == at ? at + 1 : next;
+  }
+}
+
+void Read(const google::rpc::ErrorInfo& info, Fault& fault) {
+  if (const std::optional<FaultKind> kind = KindOfReason(info.reason())) {
+    fault.kind = *kind;
+  } else {
+    fault.Detail("reason", info.reason());  // of a newer server; the code has chosen the kind
+  }
+  for (const auto& [name, value] : info.metadata()) {
+    if (name == "elements") {
+      ReadElements(value, fault);
+    } else {
+      fault.Detail(name, value);
+    }
+  }
+  // Protobuf maps have no order of their own.
+  std::sort(fault.details.begin(), fault.details.end());
+}
+
+std::string Milliseconds(const google::protobuf::Duration& duration) {
+  return std::to_string(duration.seconds() * 1000 + duration.nanos() / 1'000'000);
+}
+
+}  // namespace
+
+Fault FaultOf(const google::rpc::Status& status) {
+  Fault fault;
+  fault.kind = KindOfCode(static_cast<grpc::StatusCode>(status.code()));
+  fault.message = status.message();
+  std::string retry_delay;
+  for (const google::protobuf::Any& detail : status.details()) {
+    google::rpc::ErrorInfo info;
+    google::rpc::BadRequest bad_request;
+    google::rpc::RetryInfo retry;
+    if (detail.UnpackTo(&info)) {
+      Read(info, fault);
+    } else if (detail.UnpackTo(&bad_request) && bad_request.field_violations_size() > 0) {
+      fault.Field(bad_request.field_violations(0).field());
+    } else if (detail.UnpackTo(&retry)) {
+      retry_delay = Milliseconds(retry.retry_delay());
+    }
+  }
+  fault.Detail(std::string(kGrpcCodeDetail), CodeName(status.code()));
+  if (!retry_delay.empty()) fault.Detail(std::string(kRetryDelayDetail), retry_delay);
+  return fault;
+}
+
+Fault FaultOf(const grpc::Status& status) {
+  google::rpc::Status message;
+  // Details that do not parse are a broken proxy's; the code and the message still count.
+  if (!message.ParseFromString(status.error_details())) message.clear_details();
+  message.set_code(status.error_code());
+  message.set_message(status.error_message());
+  return FaultOf(message);
+}
+
+}  // namespace internal
+}  // namespace arap::client

@@ -1,0 +1,26 @@
+// From statuses to faults: the one place that reads error details.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include <grpcpp/support/status.h>
+
+#include "arap/client/error.h"
+#include "google/rpc/status.pb.h"
+
+namespace arap::client::internal {
+
+// The fault of a status that is not OK.
+Fault FaultOf(const grpc::Status& status);
+// The same for a status inside a message.
+Fault FaultOf(const google::rpc::Status& status);
+
+// The kind of ErrorInfo.reason, as in "DEGENERATE_TRIANGLE"; empty for one that we do not know.
+std::optional<FaultKind> KindOfReason(std::string_view reason);
+// The kind of a status that names no reason.
+FaultKind KindOfCode(grpc::StatusCode code);
+// "UNAVAILABLE" and so on.
+const char* CodeName(int code);
+
+}  // namespace arap::client::internal
