@@ -8,8 +8,9 @@
 
 namespace arap {
 
-// Asked between the phases of a long job; a fault (kCancelled, kDeadlineExceeded) ends the job there.
-// A default token never cancels. Copyable; the function must be safe to call from the job's thread.
+// Asked between the phases of a long job; a fault (kCancelled, kDeadlineExceeded) ends the job
+// there. A default token never cancels. Copyable; the function must be safe to call from the job's
+// thread.
 class CancelToken {
  public:
   CancelToken() = default;

@@ -1,8 +1,8 @@
 // Fault: what is wrong with the input or the request, as a value.
 //
-// A fault carries a kind (one name per thing that can go wrong), a sentence for people, the ids of the
-// first offending elements and the numbers that the sentence mentions. The server maps every kind to
-// one status code and one reason in a single exhaustive switch (server/rpc/status_map.cc).
+// A fault carries a kind (one name per thing that can go wrong), a sentence for people, the ids of
+// the first offending elements and the numbers that the sentence mentions. The server maps every
+// kind to one status code and one reason in a single exhaustive switch (server/rpc/status_map.cc).
 #pragma once
 
 #include <cstddef>
@@ -15,42 +15,42 @@ namespace arap {
 
 enum class FaultKind {
   // Meshes.
-  kEmptyMesh,             // no vertices or no triangles
-  kArrayLength,           // an array whose length breaks its rule (x y x y…, i j k…, one per triangle)
-  kNonFiniteCoordinate,   // NaN or infinity in a vertex
-  kIndexOutOfRange,       // a triangle names a vertex that is not there
-  kRepeatedIndex,         // a triangle names the same vertex twice
-  kDegenerateTriangle,    // a triangle of (relatively) zero area
-  kDuplicateTriangle,     // two triangles on the same three vertices
-  kNonManifoldEdge,       // an edge with three or more triangles
-  kNotOrientable,         // no consistent orientation exists
-  kNotADisk,              // a surface to flatten that is not one disk
-  kMeshTooLarge,          // more vertices or triangles than the limit
+  kEmptyMesh,    // no vertices or no triangles
+  kArrayLength,  // an array whose length breaks its rule (x y x y…, i j k…, one per triangle)
+  kNonFiniteCoordinate,  // NaN or infinity in a vertex
+  kIndexOutOfRange,      // a triangle names a vertex that is not there
+  kRepeatedIndex,        // a triangle names the same vertex twice
+  kDegenerateTriangle,   // a triangle of (relatively) zero area
+  kDuplicateTriangle,    // two triangles on the same three vertices
+  kNonManifoldEdge,      // an edge with three or more triangles
+  kNotOrientable,        // no consistent orientation exists
+  kNotADisk,             // a surface to flatten that is not one disk
+  kMeshTooLarge,         // more vertices or triangles than the limit
   // Options.
-  kInvalidOption,         // an option out of its range
+  kInvalidOption,  // an option out of its range
   // Handles and targets.
-  kHandleOutside,         // a handle position outside the mesh
-  kDuplicateHandle,       // two handles with one id
-  kUnknownHandle,         // an id that no handle has
-  kConflictingHandles,    // hard handles whose targets cannot all be met
-  kNonFiniteTarget,       // NaN or infinity in a target
-  kTargetCount,           // a wrong number of targets
-  kTooManyHandles,        // more handles than the limit
+  kHandleOutside,       // a handle position outside the mesh
+  kDuplicateHandle,     // two handles with one id
+  kUnknownHandle,       // an id that no handle has
+  kConflictingHandles,  // hard handles whose targets cannot all be met
+  kNonFiniteTarget,     // NaN or infinity in a target
+  kTargetCount,         // a wrong number of targets
+  kTooManyHandles,      // more handles than the limit
   // Names on the server.
-  kInvalidName,           // an id of forbidden length or characters
-  kNotFound,              // no such session, mesh or handle set
-  kAlreadyExists,         // the id is taken by something else
-  kProtocol,              // a stream message out of order
+  kInvalidName,    // an id of forbidden length or characters
+  kNotFound,       // no such session, mesh or handle set
+  kAlreadyExists,  // the id is taken by something else
+  kProtocol,       // a stream message out of order
   // Resources.
-  kLimitExceeded,         // a quota of the server
-  kOverloaded,            // the work queue is full: try again
-  kDraining,              // the server is going away: try another
-  kCancelled,             // the caller gave up
-  kDeadlineExceeded,      // the caller's deadline passed
+  kLimitExceeded,     // a quota of the server
+  kOverloaded,        // the work queue is full: try again
+  kDraining,          // the server is going away: try another
+  kCancelled,         // the caller gave up
+  kDeadlineExceeded,  // the caller's deadline passed
   // Ours.
-  kUnimplemented,         // shaped, not yet filled
-  kNumerical,             // a factorisation or a result that should have been finite is not
-  kInternal,              // a bug
+  kUnimplemented,  // shaped, not yet filled
+  kNumerical,      // a factorisation or a result that should have been finite is not
+  kInternal,       // a bug
 };
 
 // Stable lower-case name of a kind, for logs and messages ("degenerate_triangle").

@@ -1,7 +1,7 @@
 // CompiledHandles: a handle set on a registered mesh, ready to deform [II09 §6 "compilation"].
 //
-// Compilation does not factor the mesh matrices again: it costs one back-substitution per constraint row
-// and one small dense factorisation (null-space form, algorithm §4).
+// Compilation does not factor the mesh matrices again: it costs one back-substitution per
+// constraint row and one small dense factorisation (null-space form, algorithm §4).
 #pragma once
 
 #include <cstddef>
@@ -24,14 +24,16 @@ class CompiledHandlesParts;
 // Immutable, safe to share between threads.
 class CompiledHandles {
  public:
-  // Faults: kDuplicateHandle, kIndexOutOfRange, kHandleOutside (with the distance), kInvalidOption, and
-  // whatever `cancel` answers. `Fault::field` names "handles[i]…", `Fault::elements` the handle indices.
+  // Faults: kDuplicateHandle, kIndexOutOfRange, kHandleOutside (with the distance), kInvalidOption,
+  // and whatever `cancel` answers. `Fault::field` names "handles[i]…", `Fault::elements` the handle
+  // indices.
   static Result<std::shared_ptr<const CompiledHandles>> Compile(
       std::shared_ptr<const RegisteredMesh> mesh, std::vector<Handle> handles,
       const CancelToken& cancel = {});
 
-  // A new set with `remove` taken out and `add` appended, in that order. Costs the back-substitutions of
-  // the added rows only. Faults: kUnknownHandle and those of Compile; this set is not changed.
+  // A new set with `remove` taken out and `add` appended, in that order. Costs the
+  // back-substitutions of the added rows only. Faults: kUnknownHandle and those of Compile; this
+  // set is not changed.
   Result<std::shared_ptr<const CompiledHandles>> Edit(std::span<const std::string> remove,
                                                       std::vector<Handle> add,
                                                       const CancelToken& cancel = {}) const;
@@ -41,13 +43,13 @@ class CompiledHandles {
   CompiledHandles& operator=(const CompiledHandles&) = delete;
 
   const std::shared_ptr<const RegisteredMesh>& mesh() const;
-  const std::vector<PlacedHandle>& handles() const;        // in the order given
+  const std::vector<PlacedHandle>& handles() const;  // in the order given
   std::optional<std::size_t> Find(std::string_view id) const;
-  std::vector<Target> RestTargets() const;                 // one per handle
-  std::size_t rows() const;                                // constraint rows
+  std::vector<Target> RestTargets() const;  // one per handle
+  std::size_t rows() const;                 // constraint rows
   std::size_t bytes() const;
-  std::size_t resting_components() const;                  // without handles: they stay at rest
-  std::size_t translating_components() const;              // with one distinct handle
+  std::size_t resting_components() const;      // without handles: they stay at rest
+  std::size_t translating_components() const;  // with one distinct handle
   std::vector<Warning> warnings() const;
   // Depth of every vertex, and triangles back to front. Empty when no handle has a depth.
   std::vector<double> VertexDepths() const;

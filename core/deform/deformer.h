@@ -23,23 +23,24 @@ inline constexpr int kMaxRefine = 1000;
 
 struct DeformOptions {
   DeformMode mode = DeformMode::kRigid;
-  // Repetitions of the second step with the rotations of its own result. A descent for FACE and VERTEX
-  // cells, not for EDGE cells [algorithm §6]. 0…kMaxRefine.
+  // Repetitions of the second step with the rotations of its own result. A descent for FACE and
+  // VERTEX cells, not for EDGE cells [algorithm §6]. 0…kMaxRefine.
   int refine = 0;
 };
 
 // How good a shape is.
 struct ShapeQuality {
-  std::size_t flipped = 0;            // triangles with reversed orientation
-  double worst_handle_error = 0;      // units of the mesh
-  std::size_t worst_handle = 0;       // its index; 0 without handles
-  double energy = 0;                  // of the basis, normalised to a unit diagonal, without handles
-  double mean_stretch = 1;            // area-weighted mean of max(s1, 1/s2) over triangles
-  double max_stretch = 1;             // at most 1e30
+  std::size_t flipped = 0;        // triangles with reversed orientation
+  double worst_handle_error = 0;  // units of the mesh
+  std::size_t worst_handle = 0;   // its index; 0 without handles
+  double energy = 0;              // of the basis, normalised to a unit diagonal, without handles
+  double mean_stretch = 1;        // area-weighted mean of max(s1, 1/s2) over triangles
+  double max_stretch = 1;         // at most 1e30
 };
 
-// The mutable scratch of one stream. Not thread-safe; one Deformer per thread or stream. The answer is a
-// function of the targets alone: nothing is kept from frame to frame, same targets give the same bytes.
+// The mutable scratch of one stream. Not thread-safe; one Deformer per thread or stream. The answer
+// is a function of the targets alone: nothing is kept from frame to frame, same targets give the
+// same bytes.
 class Deformer {
  public:
   explicit Deformer(std::shared_ptr<const CompiledHandles> handles);
@@ -52,8 +53,8 @@ class Deformer {
   // kConflictingHandles, kInvalidOption, kNumerical; positions() is then as before.
   Result<ShapeQuality> Update(std::span<const Target> targets, const DeformOptions& options = {});
 
-  // Vertex positions (#V) of the last successful Update, at first the rest positions. Valid until the next
-  // call. Unreferenced vertices stay at rest.
+  // Vertex positions (#V) of the last successful Update, at first the rest positions. Valid until
+  // the next call. Unreferenced vertices stay at rest.
   std::span<const Complex> positions() const;
 
   // Ids of the flipped triangles of the last Update, ascending. Allocates.

@@ -16,10 +16,12 @@ struct VertexAnchor {
 };
 struct TriangleAnchor {
   std::uint32_t triangle = 0;
-  std::array<double, 3> barycentric{};  // in the order of the triangle's vertices as the client sent them
+  std::array<double, 3>
+      barycentric{};  // in the order of the triangle's vertices as the client sent them
 };
 struct PointAnchor {
-  Complex position;  // units of the mesh; its triangle is found, the lowest index where they overlap
+  Complex
+      position;  // units of the mesh; its triangle is found, the lowest index where they overlap
 };
 
 // What to do with a PointAnchor outside the mesh.
@@ -38,8 +40,8 @@ struct Handle {
   bool oriented = false;           // hold orientation and scale too: the whole triangle is placed
   double area_radius = 0;          // hold every vertex within this rest distance; implies oriented
   Outside outside = Outside::kError;
-  double depth = 0;                // for the drawing order, higher is nearer
-  double depth_falloff = 0;        // rest distance over which depth fades to 0; 0: constant
+  double depth = 0;          // for the drawing order, higher is nearer
+  double depth_falloff = 0;  // rest distance over which depth fades to 0; 0: constant
 };
 
 // Where a handle should go. Angle and scale are against the rest pose; oriented handles only.

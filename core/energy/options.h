@@ -18,13 +18,14 @@ enum class Weights { kUniform, kCotangent };
 struct EnergyOptions {
   Basis basis = Basis::kEdge;
   Weights weights = Weights::kUniform;
-  std::vector<double> rigidity;  // 0 < r <= kMaxRigidity per triangle (#F), or empty for 1 everywhere
+  std::vector<double>
+      rigidity;  // 0 < r <= kMaxRigidity per triangle (#F), or empty for 1 everywhere
 };
 
 inline constexpr double kMaxRigidity = 1e6;
 
-// The smallest cotangent weight that EDGE and VERTEX cells accept; smaller and negative ones are raised
-// to it and counted, because those energies need positive weights.
+// The smallest cotangent weight that EDGE and VERTEX cells accept; smaller and negative ones are
+// raised to it and counted, because those energies need positive weights.
 inline constexpr double kMinCotangent = 1e-3;
 
 }  // namespace arap

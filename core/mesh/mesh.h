@@ -1,11 +1,12 @@
 // The two meshes that everything else works on. Plain data, validated by validation.h.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <complex>
 #include <cstdint>
 #include <vector>
+
+#include <Eigen/Core>
 
 namespace arap {
 

@@ -24,15 +24,15 @@ struct Warning {
   std::string message;                  // a sentence
 };
 
-// A triangle is degenerate when its smallest height is below this fraction of its longest edge, or its
-// longest edge is below this fraction of the bounding-box diagonal.
+// A triangle is degenerate when its smallest height is below this fraction of its longest edge, or
+// its longest edge is below this fraction of the bounding-box diagonal.
 inline constexpr double kDegenerateRatio = 1e-9;
 
-// Checks a mesh in place. Faults: kEmptyMesh, kMeshTooLarge, kNonFiniteCoordinate, kIndexOutOfRange,
-// kRepeatedIndex, kDuplicateTriangle, kNonManifoldEdge, kNotOrientable (surfaces), kDegenerateTriangle;
-// each with the first offending ids. Planar triangles that run clockwise are turned round; surface
-// triangles are turned to agree with the first triangle of their component. Both are warned of, as are
-// unreferenced vertices. O(#F log #F).
+// Checks a mesh in place. Faults: kEmptyMesh, kMeshTooLarge, kNonFiniteCoordinate,
+// kIndexOutOfRange, kRepeatedIndex, kDuplicateTriangle, kNonManifoldEdge, kNotOrientable
+// (surfaces), kDegenerateTriangle; each with the first offending ids. Planar triangles that run
+// clockwise are turned round; surface triangles are turned to agree with the first triangle of
+// their component. Both are warned of, as are unreferenced vertices. O(#F log #F).
 Result<std::vector<Warning>> ValidatePlanar(PlanarMesh& mesh, const MeshLimits& limits);
 Result<std::vector<Warning>> ValidateSurface(SurfaceMesh& mesh, const MeshLimits& limits);
 

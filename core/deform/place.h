@@ -1,0 +1,35 @@
+// Placing handles: from what the client says to constraint rows on the mesh [algorithm §5].
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/deform/handle.h"
+#include "core/deform/registered_parts.h"
+
+namespace arap {
+
+// One constraint: Σ weight[k] · v[vertex[k]] should be at a target, with a compliance of 1/weight.
+struct Row {
+  std::uint32_t handle = 0;  // index in the set
+  std::array<std::uint32_t, 3> vertex{};
+  std::array<double, 3> weight{};
+  Complex rest;           // of the constrained point, normalised
+  Complex offset;         // from the handle's rest position to that point, normalised
+  double compliance = 0;  // 0: hard
+  std::uint32_t component = 0;
+};
+
+struct Placement {
+  PlacedHandle placed;
+  std::vector<Row> rows;  // at least one; Row::handle is left 0
+};
+
+// Finds the handle on the mesh. `index` only serves the field path of a fault ("handles[index]…").
+// Faults: kInvalidName, kInvalidOption, kIndexOutOfRange, kHandleOutside (metadata "distance").
+Result<Placement> PlaceHandle(const RegisteredMeshParts& mesh, const Handle& handle,
+                              std::size_t index);
+
+}  // namespace arap

@@ -1,0 +1,40 @@
+// ShapeQuality of a shape: what every answer says about itself.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "core/mesh/mesh.h"
+
+namespace arap {
+
+// Stretch of the triangles of a planar mesh under a deformation. Built once per mesh, then
+// immutable.
+class StretchTable {
+ public:
+  StretchTable() = default;
+  StretchTable(const PlanarMesh& mesh, const std::vector<Complex>& rest);
+
+  struct Stretch {
+    std::size_t flipped = 0;
+    double mean = 1, max = 1;
+  };
+  // `positions` (#V) in units of the mesh; `diagonal` takes them to the normalised rest shape.
+  Stretch Measure(const PlanarMesh& mesh, std::span<const Complex> positions,
+                  double diagonal) const;
+
+ private:
+  // The map of a triangle is z ↦ αz + βz̄ with α = a1 E1 + a2 E2 and β = ā1 E1 + ā2 E2, where E1, E2
+  // are its deformed edge vectors. Its singular values are |α| ± |β|.
+  struct Entry {
+    Complex a1, a2;
+    double area;  // as a fraction of the whole
+  };
+  std::vector<Entry> entries_;
+};
+
+// Whether a triangle of `positions` runs clockwise.
+bool IsFlipped(const Triangle& triangle, std::span<const Complex> positions);
+
+}  // namespace arap

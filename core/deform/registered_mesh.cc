@@ -1,0 +1,178 @@
+#include "core/deform/registered_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/deform/registered_parts.h"
+#include "core/energy/assemble.h"
+#include "core/energy/build_cells.h"
+
+namespace arap {
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+struct Box {
+  double x0 = kInf, y0 = kInf, x1 = -kInf, y1 = -kInf;
+  void Add(Complex p) {
+    x0 = std::min(x0, p.real()), x1 = std::max(x1, p.real());
+    y0 = std::min(y0, p.imag()), y1 = std::max(y1, p.imag());
+  }
+  Complex center() const { return {0.5 * (x0 + x1), 0.5 * (y0 + y1)}; }
+  double diagonal() const { return std::hypot(x1 - x0, y1 - y0); }
+};
+
+// The vertex of each component whose distance from its component's `from` point is nearest to
+// `wanted`; `skip` is left out.
+std::vector<std::uint32_t> NearestToDistance(const RegisteredMeshParts& parts,
+                                             const std::vector<Complex>& from,
+                                             const std::vector<double>& wanted,
+                                             const std::vector<std::uint32_t>& skip) {
+  std::vector<std::uint32_t> best(from.size(), kNone);
+  std::vector<double> error(from.size(), kInf);
+  for (std::uint32_t v = 0; v < parts.rest.size(); ++v) {
+    const std::uint32_t c = parts.topology.vertex_component[v];
+    if (c == kNone || skip[c] == v) continue;
+    const double e = std::abs(std::abs(parts.rest[v] - from[c]) - wanted[c]);
+    if (e < error[c]) best[c] = v, error[c] = e;
+  }
+  return best;
+}
+
+void PlaceComponents(RegisteredMeshParts& parts) {
+  const std::size_t count = parts.topology.components;
+  std::vector<Box> boxes(count);
+  for (std::size_t v = 0; v < parts.rest.size(); ++v) {
+    const std::uint32_t c = parts.topology.vertex_component[v];
+    if (c != kNone) boxes[c].Add(parts.rest[v]);
+  }
+  std::vector<Complex> from(count);
+  std::vector<double> wanted(count, 0);
+  for (std::size_t c = 0; c < count; ++c) from[c] = boxes[c].center();
+  const auto first =
+      NearestToDistance(parts, from, wanted, std::vector<std::uint32_t>(count, kNone));
+  for (std::size_t c = 0; c < count; ++c) {
+    from[c] = parts.rest[first[c]];
+    wanted[c] = 0.25 * boxes[c].diagonal();
+  }
+  const auto second = NearestToDistance(parts, from, wanted, first);
+  for (std::size_t c = 0; c < count; ++c) {
+    parts.components.push_back({boxes[c].center(), first[c], second[c]});
+  }
+}
+
+void Normalise(RegisteredMeshParts& parts) {
+  Box box;
+  for (const Triangle& t : parts.mesh.triangles) {
+    for (const std::uint32_t v : t) box.Add(parts.mesh.vertices[v]);
+  }
+  parts.origin = box.center();
+  parts.report.diagonal = box.diagonal();
+  parts.rest.reserve(parts.mesh.vertices.size());
+  for (const Complex p : parts.mesh.vertices) parts.rest.push_back(parts.Normalise(p));
+}
+
+Status Factorise(RegisteredMeshParts& parts, const CancelToken& cancel) {
+  std::vector<bool> fixed(parts.rest.size(), false);
+  for (std::size_t v = 0; v < fixed.size(); ++v) {
+    fixed[v] = parts.topology.vertex_component[v] == kNone;
+  }
+  for (const MeshComponent& c : parts.components) fixed[c.ground0] = true;
+  const auto rigid_matrix = AssembleRigid(parts.cells, fixed);
+  for (const MeshComponent& c : parts.components) fixed[c.ground1] = true;
+  const auto similarity_matrix = AssembleSimilarity(parts.cells, fixed);
+  if (auto ok = cancel.Check(); !ok) return ok;
+
+  auto similarity = Factor<Complex>::Make(similarity_matrix, FactorLayout::kSupernodal);
+  if (!similarity) return Fail(std::move(similarity.error()));
+  parts.similarity = std::move(*similarity);
+  if (auto ok = cancel.Check(); !ok) return ok;
+
+  // The pattern of step 2 lies inside that of step 1, so its order serves both.
+  auto rigid =
+      Factor<double>::Make(rigid_matrix, FactorLayout::kSimplicial, parts.similarity->order());
+  if (!rigid) return Fail(std::move(rigid.error()));
+  parts.rigid = std::move(*rigid);
+  return cancel.Check();
+}
+
+void Report(std::vector<Warning> warnings, std::size_t clamped, RegisteredMeshParts& parts) {
+  RegistrationReport& report = parts.report;
+  report.vertices = parts.mesh.vertices.size();
+  report.triangles = parts.mesh.triangles.size();
+  report.edges = parts.topology.edges.size();
+  report.components = parts.topology.components;
+  report.boundary_loops = parts.topology.boundary_loops;
+  for (const Triangle& t : parts.mesh.triangles) {
+    const Complex a = parts.rest[t[0]], b = parts.rest[t[1]], c = parts.rest[t[2]];
+    report.area += 0.5 * std::imag(std::conj(b - a) * (c - a));
+  }
+  report.area *= report.diagonal * report.diagonal;
+  report.clamped_weights = clamped;
+  report.warnings = std::move(warnings);
+  if (clamped > 0) {
+    report.warnings.push_back({"clamped_weights",
+                               clamped,
+                               {},
+                               std::to_string(clamped) +
+                                   " edges have a cotangent weight too small or negative for this "
+                                   "basis; it was raised"});
+  }
+  if (!parts.topology.joints.empty()) {
+    const auto& joints = parts.topology.joints;
+    report.warnings.push_back(
+        {"joint_vertices",
+         joints.size(),
+         {joints.begin(), joints.begin() + static_cast<std::ptrdiff_t>(
+                                               std::min(joints.size(), Fault::kMaxElements))},
+         "parts of the mesh touch in a single vertex; they are welded there"});
+  }
+  report.bytes = parts.similarity->bytes() + parts.rigid->bytes() + parts.cells.bytes() +
+                 parts.rest.size() * 2 * sizeof(Complex) +
+                 parts.mesh.triangles.size() * 2 * sizeof(Triangle) +
+                 parts.topology.edges.size() * sizeof(Edge);
+}
+
+}  // namespace
+
+RegisteredMesh::RegisteredMesh(std::unique_ptr<const RegisteredMeshParts> parts)
+    : parts_(std::move(parts)) {}
+RegisteredMesh::~RegisteredMesh() = default;
+
+Result<std::shared_ptr<const RegisteredMesh>> RegisteredMesh::Register(PlanarMesh mesh,
+                                                                       const EnergyOptions& options,
+                                                                       const MeshLimits& limits,
+                                                                       const CancelToken& cancel) {
+  const std::vector<Triangle> given = mesh.triangles;
+  auto warnings = ValidatePlanar(mesh, limits);
+  if (!warnings) return Fail(std::move(warnings.error()));
+  if (auto ok = cancel.Check(); !ok) return Fail(std::move(ok.error()));
+
+  auto parts = std::make_unique<RegisteredMeshParts>();
+  parts->mesh = std::move(mesh);
+  parts->options = options;
+  for (std::size_t t = 0; t < given.size(); ++t) {
+    parts->turned.push_back(given[t] != parts->mesh.triangles[t]);
+  }
+  parts->topology = BuildTopology(parts->mesh.vertices.size(), parts->mesh.triangles);
+  Normalise(*parts);
+  PlaceComponents(*parts);
+  const TriangleFrame frame = [&](std::uint32_t t) {
+    const Triangle& c = parts->mesh.triangles[t];
+    return std::array<Complex, 3>{parts->rest[c[0]], parts->rest[c[1]], parts->rest[c[2]]};
+  };
+  auto system = BuildCells(parts->mesh.triangles, parts->topology, options, frame, true);
+  if (!system) return Fail(std::move(system.error()));
+  parts->cells = std::move(system->cells);
+  parts->stretch = StretchTable(parts->mesh, parts->rest);
+  if (auto ok = Factorise(*parts, cancel); !ok) return Fail(std::move(ok.error()));
+  Report(std::move(*warnings), system->clamped, *parts);
+  return std::shared_ptr<const RegisteredMesh>(new RegisteredMesh(std::move(parts)));
+}
+
+const PlanarMesh& RegisteredMesh::mesh() const { return parts_->mesh; }
+const EnergyOptions& RegisteredMesh::options() const { return parts_->options; }
+const RegistrationReport& RegisteredMesh::report() const { return parts_->report; }
+
+}  // namespace arap

@@ -1,0 +1,44 @@
+// The tables of a RegisteredMesh, for this room only.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/deform/quality.h"
+#include "core/deform/registered_mesh.h"
+#include "core/energy/cell.h"
+#include "core/mesh/topology.h"
+#include "core/sparse/factor.h"
+
+namespace arap {
+
+// Below this fraction of the diagonal two rest points are one.
+inline constexpr double kCoincident = 1e-9;
+
+struct MeshComponent {
+  Complex center;         // of its bounding box, normalised
+  std::uint32_t ground0;  // fixed in both steps: near the centre, where |Z| stays small
+  std::uint32_t ground1;  // fixed in step 1 too: a quarter of the component's diagonal away
+};
+
+class RegisteredMeshParts {
+ public:
+  // Normalised = (input − origin) / diagonal: no result depends on the unit or the place.
+  Complex Normalise(Complex p) const { return (p - origin) / report.diagonal; }
+
+  PlanarMesh mesh;
+  std::vector<bool> turned;  // #F, triangles whose corners 1 and 2 were swapped
+  EnergyOptions options;
+  RegistrationReport report;
+  Topology topology;
+  Complex origin;
+  std::vector<Complex> rest;  // #V, normalised
+  std::vector<MeshComponent> components;
+  Cells cells;
+  StretchTable stretch;
+  std::shared_ptr<const Factor<Complex>>
+      similarity;                               // step 1, two vertices of a component grounded
+  std::shared_ptr<const Factor<double>> rigid;  // step 2, one grounded
+};
+
+}  // namespace arap

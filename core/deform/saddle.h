@@ -1,0 +1,63 @@
+// Saddle: the small dense system of the null-space form [algorithm §4]
+//
+//     [ C Z + E   C N ] [λ]   [ r ]
+//     [ (C N)ᴴ     0  ] [α] = [ 0 ]
+//
+// with one row per active constraint. Non-singular by construction: E is the compliance, hard rows
+// are independent, and every component in it has two distinct points.
+#pragma once
+
+#include <cstddef>
+
+#include <Eigen/LU>
+
+namespace arap {
+
+// Scalar is double or std::complex<double>. Immutable after construction; Solve allocates nothing.
+template <class Scalar>
+class Saddle {
+ public:
+  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+  using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+
+  Saddle() = default;
+  // `cz` (k×k) with the compliance on its diagonal already, `cn` (k×m).
+  Saddle(const Matrix& cz, const Matrix& cn) {
+    const Eigen::Index k = cz.rows(), m = cn.cols();
+    if (k == 0) return;
+    matrix_ = Matrix::Zero(k + m, k + m);
+    matrix_.topLeftCorner(k, k) = cz;
+    matrix_.topRightCorner(k, m) = cn;
+    matrix_.bottomLeftCorner(m, k) = cn.adjoint();
+    lu_.compute(matrix_);
+  }
+
+  Eigen::Index size() const { return matrix_.rows(); }
+
+  // Solves with one step of refinement. All three vectors have size() entries and do not overlap.
+  void Solve(const Vector& right, Vector& solution, Vector& residual) const {
+    if (size() == 0) return;
+    SolveOnce(right, solution);
+    residual = right;
+    residual.noalias() -= matrix_ * solution;
+    SolveInPlace(residual);
+    solution += residual;
+  }
+
+ private:
+  void SolveOnce(const Vector& right, Vector& solution) const {
+    solution = right;
+    SolveInPlace(solution);
+  }
+  // Row swaps by hand: Eigen's permutation product and LU::solve may allocate.
+  void SolveInPlace(Vector& x) const {
+    x.applyOnTheLeft(lu_.permutationP());
+    lu_.matrixLU().template triangularView<Eigen::UnitLower>().solveInPlace(x);
+    lu_.matrixLU().template triangularView<Eigen::Upper>().solveInPlace(x);
+  }
+
+  Matrix matrix_;
+  Eigen::PartialPivLU<Matrix> lu_;
+};
+
+}  // namespace arap

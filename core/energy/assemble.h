@@ -1,0 +1,26 @@
+// The two step matrices of a set of cells, and what goes with them frame by frame [algorithm §3].
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/SparseCore>
+
+#include "core/energy/cell.h"
+
+namespace arap {
+
+// Step 1, Hermitian: the energy of vᴴ H v with every t_c a linear function of v. Only the lower
+// triangle is stored, #V×#V. Rows and columns of `fixed` vertices are those of the identity;
+// `fixed` (#V) also marks vertices that no cell touches. Diagonal entries are exactly real (CHOLMOD
+// insists).
+Eigen::SparseMatrix<Complex> AssembleSimilarity(const Cells& cells, const std::vector<bool>& fixed);
+
+// Step 2, the Laplacian of the energy edges; stored and fixed alike.
+Eigen::SparseMatrix<double> AssembleRigid(const Cells& cells, const std::vector<bool>& fixed);
+
+// Column `vertex` of the full (not fixed) similarity matrix, dense, #V.
+std::vector<Complex> SimilarityColumn(const Cells& cells, std::size_t vertices,
+                                      std::uint32_t vertex);
+
+}  // namespace arap

@@ -1,0 +1,37 @@
+// From a mesh and its options to the cells of its energy [algorithm §3, II09 §4.2, §7].
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+#include "core/base/result.h"
+#include "core/energy/cell.h"
+#include "core/energy/options.h"
+#include "core/mesh/mesh.h"
+#include "core/mesh/topology.h"
+
+namespace arap {
+
+// A triangle laid flat: its corners in its own frame, counter-clockwise.
+using TriangleFrame = std::function<std::array<Complex, 3>(std::uint32_t triangle)>;
+
+struct CellSystem {
+  Cells cells;
+  std::size_t clamped = 0;  // edges whose cotangent was raised to kMinCotangent
+};
+
+// Rigidity must be empty or one number in (0, kMaxRigidity] per triangle: kArrayLength,
+// kInvalidOption.
+Status CheckEnergyOptions(const EnergyOptions& options, std::size_t triangles);
+
+// Builds the cells. `frame` gives each triangle's shape; for EDGE cells the two triangles of a
+// hinge are unfolded about their edge, one on each side, as their orientation says. VERTEX cells
+// need one common frame (planar meshes); asking for them on a surface is kInvalidOption.
+//
+// Pieces that meet only in a joint vertex are welded there by one extra cell, the spokes of the
+// joint: without it nothing would fix how they turn against each other.
+Result<CellSystem> BuildCells(const std::vector<Triangle>& triangles, const Topology& topology,
+                              const EnergyOptions& options, const TriangleFrame& frame,
+                              bool planar);
+
+}  // namespace arap

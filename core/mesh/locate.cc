@@ -1,0 +1,51 @@
+#include "core/mesh/locate.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace arap {
+
+std::array<double, 3> Barycentric(const std::array<Complex, 3>& c, Complex p) {
+  const auto cross = [](Complex a, Complex b) { return std::imag(std::conj(a) * b); };
+  const double area = cross(c[1] - c[0], c[2] - c[0]);
+  const double b1 = cross(p - c[0], c[2] - c[0]) / area;
+  const double b2 = cross(c[1] - c[0], p - c[0]) / area;
+  return {1 - b1 - b2, b1, b2};
+}
+
+std::optional<Located> Locate(std::span<const Complex> vertices,
+                              std::span<const Triangle> triangles, Complex p, double tolerance) {
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    const std::array<Complex, 3> c{vertices[triangles[t][0]], vertices[triangles[t][1]],
+                                   vertices[triangles[t][2]]};
+    auto b = Barycentric(c, p);
+    // A NaN from a degenerate triangle fails these comparisons.
+    if (!(b[0] >= -tolerance && b[1] >= -tolerance && b[2] >= -tolerance)) continue;
+    double sum = 0;
+    for (double& x : b) sum += x = std::max(x, 0.0);
+    for (double& x : b) x /= sum;
+    return Located{t, b, p, 0};
+  }
+  return std::nullopt;
+}
+
+Located NearestOnBoundary(std::span<const Complex> vertices, std::span<const Triangle> triangles,
+                          const Topology& topology, Complex p) {
+  Located best;
+  best.distance = std::numeric_limits<double>::infinity();
+  for (const Edge& edge : topology.edges) {
+    if (!edge.boundary()) continue;
+    const Complex a = vertices[edge.v0], d = vertices[edge.v1] - a;
+    const double s = std::clamp(std::real(std::conj(d) * (p - a)) / std::norm(d), 0.0, 1.0);
+    const double distance = std::abs(a + s * d - p);
+    if (distance >= best.distance) continue;
+    best = {edge.triangle[0], {}, a + s * d, distance};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = triangles[edge.triangle[0]][k];
+      best.barycentric[k] = v == edge.v0 ? 1 - s : v == edge.v1 ? s : 0;
+    }
+  }
+  return best;
+}
+
+}  // namespace arap

@@ -1,0 +1,179 @@
+#include "core/sparse/factor.h"
+
+#include <mutex>
+
+#include <cholmod.h>
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+namespace arap {
+namespace {
+
+// CHOLMOD's state, one per thread of work. Silent; failures are seen in `status`.
+class Common {
+ public:
+  Common() {
+    cholmod_start(&common_);
+    common_.print = 0;
+    common_.quick_return_if_not_posdef = 1;
+  }
+  ~Common() { cholmod_finish(&common_); }
+  Common(const Common&) = delete;
+  Common& operator=(const Common&) = delete;
+  cholmod_common* get() { return &common_; }
+
+ private:
+  cholmod_common common_{};
+};
+
+// Parallelism is ours, by streams and jobs; a second layer inside BLAS would only fight with it and
+// make results depend on the number of threads. Not every BLAS has the switch, so it is looked up.
+void UseOneBlasThread() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    using SetThreads = void (*)(int);
+    if (void* symbol = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) {
+      reinterpret_cast<SetThreads>(symbol)(1);
+    }
+  });
+}
+
+template <class Scalar>
+constexpr int kXtype = CHOLMOD_REAL;
+template <>
+constexpr int kXtype<std::complex<double>> = CHOLMOD_COMPLEX;
+
+// A view of an Eigen matrix; nothing is copied.
+template <class Scalar>
+cholmod_sparse View(const Eigen::SparseMatrix<Scalar>& lower) {
+  cholmod_sparse view{};
+  view.nrow = static_cast<std::size_t>(lower.rows());
+  view.ncol = static_cast<std::size_t>(lower.cols());
+  view.nzmax = static_cast<std::size_t>(lower.nonZeros());
+  view.p = const_cast<int*>(lower.outerIndexPtr());
+  view.i = const_cast<int*>(lower.innerIndexPtr());
+  view.x = const_cast<Scalar*>(lower.valuePtr());
+  view.stype = -1;
+  view.itype = CHOLMOD_INT;
+  view.xtype = kXtype<Scalar>;
+  view.dtype = CHOLMOD_DOUBLE;
+  view.sorted = 1;
+  view.packed = 1;
+  return view;
+}
+
+const char* StatusText(int status) {
+  switch (status) {
+    case CHOLMOD_NOT_POSDEF:
+      return "the matrix is not positive definite";
+    case CHOLMOD_DSMALL:
+      return "the matrix is nearly singular";
+    case CHOLMOD_OUT_OF_MEMORY:
+      return "out of memory";
+    case CHOLMOD_TOO_LARGE:
+      return "the problem is too large";
+    default:
+      return "the factorisation failed";
+  }
+}
+
+}  // namespace
+
+class FactorData {
+ public:
+  ~FactorData() { cholmod_free_factor(&factor, common.get()); }
+  Common common;
+  cholmod_factor* factor = nullptr;
+};
+
+class Workspace::Data {
+ public:
+  // CHOLMOD keeps these between calls and grows them when needed. One set per scalar type, because
+  // a change of type frees and allocates.
+  struct Buffers {
+    cholmod_dense *x = nullptr, *y = nullptr, *e = nullptr;
+  };
+  ~Data() {
+    for (Buffers* b : {&real, &complex}) {
+      cholmod_free_dense(&b->x, common.get());
+      cholmod_free_dense(&b->y, common.get());
+      cholmod_free_dense(&b->e, common.get());
+    }
+  }
+  Common common;
+  Buffers real, complex;
+};
+
+Workspace::Workspace() : data_(std::make_unique<Data>()) {}
+Workspace::~Workspace() = default;
+Workspace::Workspace(Workspace&&) noexcept = default;
+Workspace& Workspace::operator=(Workspace&&) noexcept = default;
+
+template <class Scalar>
+Factor<Scalar>::Factor(std::unique_ptr<FactorData> data) : data_(std::move(data)) {}
+template <class Scalar>
+Factor<Scalar>::~Factor() = default;
+
+template <class Scalar>
+Result<std::shared_ptr<const Factor<Scalar>>> Factor<Scalar>::Make(
+    const Eigen::SparseMatrix<Scalar>& lower, FactorLayout layout, std::span<const int> order) {
+  UseOneBlasThread();
+  auto data = std::make_unique<FactorData>();
+  cholmod_common* common = data->common.get();
+  common->supernodal = layout == FactorLayout::kSupernodal ? CHOLMOD_AUTO : CHOLMOD_SIMPLICIAL;
+  common->final_ll = 0;
+  common->nmethods = 1;
+  common->method[0].ordering = order.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
+  cholmod_sparse matrix = View(lower);
+  // cholmod_analyze_p does not write to the permutation.
+  int* given = order.empty() ? nullptr : const_cast<int*>(order.data());
+  data->factor = cholmod_analyze_p(&matrix, given, nullptr, 0, common);
+  if (data->factor) cholmod_factorize(&matrix, data->factor, common);
+  if (!data->factor || common->status != CHOLMOD_OK ||
+      data->factor->minor != static_cast<std::size_t>(lower.rows())) {
+    return Fail(FaultKind::kNumerical,
+                fmt::format("factoring {} unknowns: {}", lower.rows(), StatusText(common->status)));
+  }
+  return std::shared_ptr<const Factor>(new Factor(std::move(data)));
+}
+
+template <class Scalar>
+std::span<const Scalar> Factor<Scalar>::Solve(std::span<const Scalar> right, std::size_t columns,
+                                              Workspace& workspace) const {
+  Workspace::Data& scratch = workspace.data();
+  auto& buffers = kXtype<Scalar> == CHOLMOD_REAL ? scratch.real : scratch.complex;
+  cholmod_dense view{};
+  view.nrow = view.d = size();
+  view.ncol = columns;
+  view.nzmax = size() * columns;
+  view.x = const_cast<Scalar*>(right.data());  // read only
+  view.xtype = kXtype<Scalar>;
+  view.dtype = CHOLMOD_DOUBLE;
+  const int ok = cholmod_solve2(CHOLMOD_A, data_->factor, &view, nullptr, &buffers.x, nullptr,
+                                &buffers.y, &buffers.e, scratch.common.get());
+  if (!ok) return {};
+  return {static_cast<const Scalar*>(buffers.x->x), size() * columns};
+}
+
+template <class Scalar>
+std::size_t Factor<Scalar>::size() const {
+  return data_->factor->n;
+}
+
+template <class Scalar>
+std::span<const int> Factor<Scalar>::order() const {
+  return {static_cast<const int*>(data_->factor->Perm), data_->factor->n};
+}
+
+template <class Scalar>
+std::size_t Factor<Scalar>::bytes() const {
+  const cholmod_factor& f = *data_->factor;
+  const std::size_t numbers = f.is_super ? f.xsize : f.nzmax;
+  const std::size_t indices = f.is_super ? f.ssize : f.nzmax;
+  return numbers * sizeof(Scalar) + indices * sizeof(int) + f.n * 8 * sizeof(int);
+}
+
+template class Factor<double>;
+template class Factor<std::complex<double>>;
+
+}  // namespace arap

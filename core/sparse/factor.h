@@ -1,0 +1,67 @@
+// Factor: a sparse Hermitian positive definite matrix, factored once and shared by many solvers.
+//
+// The only door to CHOLMOD. A Factor is immutable and may be used by many threads at once, each
+// with a Workspace of its own [algorithm §8].
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <Eigen/SparseCore>
+
+#include "core/base/result.h"
+
+namespace arap {
+
+// How the factor is stored: supernodes solve many columns fast, simplicial columns solve one or two
+// fast.
+enum class FactorLayout { kSupernodal, kSimplicial };
+
+class FactorData;
+
+// Scratch of one thread's solves. Not thread-safe. May serve factors of different sizes and types
+// in turn; memory is allocated when a solve is larger than those before.
+class Workspace {
+ public:
+  Workspace();
+  ~Workspace();
+  Workspace(Workspace&&) noexcept;
+  Workspace& operator=(Workspace&&) noexcept;
+
+  class Data;
+  Data& data() { return *data_; }
+
+ private:
+  std::unique_ptr<Data> data_;
+};
+
+// Scalar is double or std::complex<double>.
+template <class Scalar>
+class Factor {
+ public:
+  // `lower` holds the lower triangle (#n×#n). `order` is a fill-reducing permutation from another
+  // factor with a pattern around this one, or empty to find one. Fault: kNumerical when the matrix
+  // is not positive definite or memory runs out.
+  static Result<std::shared_ptr<const Factor>> Make(const Eigen::SparseMatrix<Scalar>& lower,
+                                                    FactorLayout layout,
+                                                    std::span<const int> order = {});
+  ~Factor();
+
+  // Solves for `columns` right-hand sides stored one after the other (#n·columns). The answer is
+  // laid out alike, lives in the workspace, and is valid until its next use.
+  std::span<const Scalar> Solve(std::span<const Scalar> right, std::size_t columns,
+                                Workspace& workspace) const;
+
+  std::size_t size() const;
+  std::span<const int> order() const;
+  std::size_t bytes() const;
+
+ private:
+  explicit Factor(std::unique_ptr<FactorData> data);
+  std::unique_ptr<FactorData> data_;
+};
+
+}  // namespace arap
