@@ -5,6 +5,12 @@
 #include <fmt/format.h>
 
 namespace arap {
+namespace {
+
+// Symmetric surfaces have several edges at one distance; rounding must not choose among them.
+constexpr double kTie = 1e-9;
+
+}  // namespace
 
 Status CheckDisk(const Topology& topology, std::size_t vertices, std::size_t triangles) {
   const auto used = static_cast<std::int64_t>(vertices - topology.unreferenced);
@@ -49,7 +55,7 @@ std::uint32_t CentreEdge(const SurfaceMesh& mesh, const Topology& topology) {
     const Edge& edge = topology.edges[e];
     const double distance =
         (0.5 * (mesh.vertices[edge.v0] + mesh.vertices[edge.v1]) - centroid).squaredNorm();
-    if (distance < nearest) best = e, nearest = distance;
+    if (distance < nearest - kTie) best = e, nearest = distance;
   }
   return best;
 }

@@ -13,7 +13,8 @@ namespace arap {
 // message says what it is instead.
 Status CheckDisk(const Topology& topology, std::size_t vertices, std::size_t triangles);
 
-// Index of the edge whose middle is nearest to the area centroid; the lowest where several are
+// Index of the edge whose middle is nearest to the area centroid; the lowest where several are. The
+// mesh is normalised to a unit diagonal
 // [II09 §7 "an edge at the center of the mesh"].
 std::uint32_t CentreEdge(const SurfaceMesh& mesh, const Topology& topology);
 
