@@ -1,0 +1,116 @@
+// arapctl drag: a track through a live stream, as an interactive client would.
+#include <map>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "client/cli/commands.h"
+#include "client/cli/drag_loop.h"
+#include "client/cli/percentiles.h"
+#include "client/cli/report.h"
+#include "client/cli/shapes_file.h"
+#include "client/cli/stage.h"
+#include "client/cli/text_file.h"
+
+namespace arap::cli {
+namespace {
+
+struct DragOptions {
+  StageOptions stage;
+  client::Delivery delivery = client::Delivery::kLatest;
+  double rate = 60;
+  std::string json;
+};
+
+nlohmann::ordered_json ToJson(const Percentiles& times) {
+  return {{"p50", times.p50}, {"p90", times.p90}, {"p99", times.p99}, {"max", times.max}};
+}
+
+std::string JsonReport(const DragTimes& times) {
+  const nlohmann::ordered_json json{
+      {"sent", times.sent},
+      {"answered", times.answered},
+      {"replaced", times.replaced},
+      {"round_trip_micros", ToJson(PercentilesOf(times.round_trip_micros))},
+      {"queue_micros", ToJson(PercentilesOf(times.queue_micros))},
+      {"solve_micros", ToJson(PercentilesOf(times.solve_micros))},
+      {"frames_with_flips", times.frames_with_flips},
+      {"most_flips", times.most_flips},
+      {"worst_handle_error", times.worst_handle_error}};
+  return json.dump(2) + "\n";
+}
+
+Status Drag(const DragOptions& options) {
+  const Result<Stage> stage = Stage::Open(options.stage);
+  if (!stage) return Fail(stage.error());
+  std::optional<ShapesFile> shapes;
+  if (!options.stage.out.empty()) {
+    shapes.emplace(options.stage.out, stage->mesh().vertex_count());
+  }
+  FilmMaker film(options.stage, *stage);
+  client::DeformOptions deform = options.stage.deform;
+  deform.float64 = shapes.has_value();
+  Result<client::DeformStream> stream =
+      stage->session().OpenStream(kHandleSet, options.delivery, deform);
+  if (!stream) return Fail(stream.error());
+
+  const OnShape on_shape = [&](std::size_t frame, const client::Shape& shape) {
+    if (shapes) shapes->Write(frame, shape.positions);
+    film.Add(frame, shape);
+  };
+  const bool every = options.delivery == client::Delivery::kEvery;
+  const Result<DragTimes> times = every
+                                      ? DragEvery(*stream, stage->track(), on_shape)
+                                      : DragLatest(*stream, stage->track(), options.rate, on_shape);
+  if (!times) return Fail(times.error());
+
+  const Percentiles round_trip = PercentilesOf(times->round_trip_micros);
+  const std::string caption = fmt::format(
+      "{}: {} updates, {} answers, {} replaced; round trip p50 {:.0f} µs, p99 {:.0f} µs; {} frames "
+      "with flips",
+      every ? "every" : "latest", times->sent, times->answered, times->replaced, round_trip.p50,
+      round_trip.p99, times->frames_with_flips);
+  fmt::print("{}\nsolve p50 {:.0f} µs, worst handle error {:.3g}, most flips in a frame {}\n",
+             caption, PercentilesOf(times->solve_micros).p50, times->worst_handle_error,
+             times->most_flips);
+  if (shapes) {
+    if (Status closed = shapes->Close(); !closed) return closed;
+  }
+  if (!options.json.empty()) {
+    if (Status written = WriteTextFile(options.json, JsonReport(*times)); !written) return written;
+  }
+  return film.Write(caption);
+}
+
+}  // namespace
+
+void AddDrag(CLI::App& app, Run& run) {
+  auto options = std::make_shared<DragOptions>();
+  CLI::App* const command =
+      app.add_subcommand("drag", "Play a track through a live stream and take the times");
+  AddStageOptions(*command, options->stage, /*out_required=*/false);
+  command
+      ->add_option("--delivery", options->delivery,
+                   "answer the latest update, or every one with a single update on its way; "
+                   "default latest")
+      ->transform(CLI::CheckedTransformer(
+                      std::map<std::string, client::Delivery>{{"latest", client::Delivery::kLatest},
+                                                              {"every", client::Delivery::kEvery}})
+                      .description(""))
+      ->option_text("latest|every");
+  command
+      ->add_option("--rate", options->rate, "updates per second, for --delivery latest; default 60")
+      ->check(CLI::Range(0.1, 1e6).description(""))
+      ->option_text("PER_SECOND");
+  command->add_option("--json", options->json, "write the times")->option_text("FILE.json");
+  command->callback([options, &run] {
+    run = [options] {
+      const Status dragged = Drag(*options);
+      return dragged ? kOk : Complain(dragged.error());
+    };
+  });
+}
+
+}  // namespace arap::cli

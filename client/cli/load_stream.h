@@ -1,0 +1,45 @@
+// One stream of the load generator.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <latch>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "arap/client/client.h"
+
+namespace arap::cli {
+
+// The same for every stream. The server factors the mesh once.
+struct LoadPlan {
+  client::PlanarMesh mesh;
+  std::vector<client::Handle> handles;
+  std::vector<double> rests;  // x y x y… of the handles
+  double reach = 0;           // how far a target strays from its rest position
+  std::chrono::duration<double> length{0};
+  client::Delivery delivery = client::Delivery::kEvery;
+};
+
+// A grid of about `vertices` vertices with `handles` handles spread over it.
+LoadPlan MakeLoadPlan(std::size_t vertices, std::size_t handles,
+                      std::chrono::duration<double> length);
+
+struct LoadSamples {
+  std::vector<double> round_trip_micros;
+  std::vector<double> queue_micros;
+  std::vector<double> solve_micros;
+  std::map<std::string, std::uint64_t> errors;  // by reason
+  std::string first_error;                      // a sentence, or empty
+};
+
+// Opens a session, registers, compiles and opens a stream; then waits at `start` for the others;
+// then sends updates for the planned time, each when the one before is answered. Checks every
+// answer: the right sequence, the right length, all finite; BAD_REPLY otherwise. `index` shifts the
+// motion.
+LoadSamples RunLoadStream(const client::Client& client, const LoadPlan& plan, std::size_t index,
+                          std::latch& start);
+
+}  // namespace arap::cli

@@ -1,0 +1,61 @@
+#include "client/cli/report.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include "arap/client/error.h"
+#include "client/cli/commands.h"
+
+namespace arap::cli {
+
+std::string ReasonOf(const Fault& fault) {
+  std::string reason = FaultName(fault.kind);
+  std::transform(reason.begin(), reason.end(), reason.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return reason;
+}
+
+std::string Describe(const Fault& fault) {
+  std::vector<std::string> extra;
+  if (!fault.elements.empty()) {
+    extra.push_back(fmt::format("elements {}", fmt::join(fault.elements, " ")));
+  }
+  if (!fault.field.empty()) extra.push_back("field " + fault.field);
+  for (const auto& [name, value] : fault.details) {
+    extra.push_back(fmt::format("{} = {}", name, value));
+  }
+  std::string text = ReasonOf(fault) + ": " + fault.message;
+  if (!extra.empty()) text += fmt::format(" ({})", fmt::join(extra, "; "));
+  return text;
+}
+
+int Complain(const Fault& fault) {
+  fmt::print(stderr, "arapctl: {}\n", Describe(fault));
+  return kFailed;
+}
+
+void PrintWarnings(const std::vector<client::Warning>& warnings) {
+  for (const client::Warning& warning : warnings) {
+    fmt::print(stderr, "arapctl: warning: {}: {}\n", warning.kind, warning.message);
+  }
+}
+
+Progress::Progress(std::string what, std::size_t total)
+    : what_(std::move(what)), total_(total), terminal_(isatty(STDERR_FILENO) == 1) {}
+
+Progress::~Progress() {
+  if (terminal_ && done_ > 0) fmt::print(stderr, "\n");
+}
+
+void Progress::Step() {
+  ++done_;
+  if (terminal_) fmt::print(stderr, "\r{} {}/{}", what_, done_, total_);
+}
+
+}  // namespace arap::cli

@@ -1,0 +1,40 @@
+// What the commands say on standard error, and on a terminal while they work.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "arap/client/mesh.h"
+#include "core/base/fault.h"
+
+namespace arap::cli {
+
+// "REASON: message (elements 3 7; field mesh.triangles; limit = 5)".
+std::string Describe(const Fault& fault);
+// "DEGENERATE_TRIANGLE".
+std::string ReasonOf(const Fault& fault);
+
+// Prints the fault on standard error. Answers kFailed.
+int Complain(const Fault& fault);
+// Prints what the server repaired or ignored on standard error.
+void PrintWarnings(const std::vector<client::Warning>& warnings);
+
+// A line on standard error that is overwritten as the work goes on. Silent unless it is a terminal.
+class Progress {
+ public:
+  Progress(std::string what, std::size_t total);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void Step();
+
+ private:
+  std::string what_;
+  std::size_t total_;
+  std::size_t done_ = 0;
+  bool terminal_;
+};
+
+}  // namespace arap::cli

@@ -1,0 +1,17 @@
+// The sample character: a teddy bear, 200 units tall, that waves.
+#pragma once
+
+#include "arap/client/mesh.h"
+#include "client/cli/track.h"
+
+namespace arap::cli {
+
+inline constexpr double kCharacterEdge = 5;
+
+// `edge` is the length of its edges, 1 to 10.
+client::PlanarMesh MakeCharacter(double edge);
+
+// 120 frames that loop: handles at the hands, the feet and the head. `mesh` is a character.
+Track MakeCharacterTrack(const client::PlanarMesh& mesh);
+
+}  // namespace arap::cli

@@ -1,0 +1,15 @@
+// Handles for sample tracks.
+#pragma once
+
+#include <string>
+
+#include "arap/client/mesh.h"
+#include "client/cli/sample/point.h"
+#include "client/cli/track.h"
+
+namespace arap::cli {
+
+// Adds a handle that holds `mesh` at `rest`, a point inside it.
+void AddHandle(const client::PlanarMesh& mesh, const std::string& name, Point rest, Track& track);
+
+}  // namespace arap::cli
