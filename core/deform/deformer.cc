@@ -39,8 +39,9 @@ class Deformer::Scratch {
     targets.resize(set.rows.size());
     mean.assign(components, 1);
     shift.assign(components, 0);
-    for (auto* v : {&r1, &s1, &t1}) v->resize(set.saddle1.size());
-    for (auto* v : {&r2x, &r2y, &s2x, &s2y, &t2}) v->resize(set.saddle2.size());
+    step1.Resize(set.saddle1.size());
+    step2x.Resize(set.saddle2.size());
+    step2y.Resize(set.saddle2.size());
   }
 
   Result<ShapeQuality> Update(std::span<const Target> given, const DeformOptions& options);
@@ -82,8 +83,8 @@ class Deformer::Scratch {
   std::vector<Complex> mean;     // per component: t̄, the rotation of the component as a whole
   std::vector<Complex> shift;    // per component: how far a translating one moves
   Complex middle;                // mean target
-  Saddle<Complex>::Vector r1, s1, t1;
-  Saddle<double>::Vector r2x, r2y, s2x, s2y, t2;
+  Saddle<Complex>::Scratch step1;
+  Saddle<double>::Scratch step2x, step2y;
   Workspace workspace;
 };
 
@@ -203,7 +204,8 @@ void Deformer::Scratch::SimilarityStep() {
   r1.setZero();
   for (Eigen::Index i = 0; i < k; ++i)
     r1[i] = targets[set.active_rows[static_cast<std::size_t>(i)]];
-  set.saddle1.Solve(r1, s1, t1);
+  set.saddle1.Solve(step1);
+  const auto& s1 = step1.solution;
 
   for (std::size_t c = 0; c < mean.size(); ++c) {
     mean[c] = 1;
@@ -254,16 +256,15 @@ Status Deformer::Scratch::RigidStep(bool turn_cells) {
   }
 
   const auto k = static_cast<Eigen::Index>(set.active_rows.size());
-  r2x.setZero();
-  r2y.setZero();
   for (Eigen::Index i = 0; i < k; ++i) {
     const std::size_t r = set.active_rows[static_cast<std::size_t>(i)];
     const Complex miss = targets[r] - At(set.rows[r]);
-    r2x[i] = miss.real();
-    r2y[i] = miss.imag();
+    step2x.right[i] = miss.real();
+    step2y.right[i] = miss.imag();
   }
-  set.saddle2.Solve(r2x, s2x, t2);
-  set.saddle2.Solve(r2y, s2y, t2);
+  set.saddle2.Solve(step2x);
+  set.saddle2.Solve(step2y);
+  const auto &s2x = step2x.solution, &s2y = step2y.solution;
   for (Eigen::Index i = 0; i < k; ++i) {
     const auto column = static_cast<Eigen::Index>(set.active_rows[static_cast<std::size_t>(i)]);
     AddColumns(set.z2.col(column).data(), {s2x[i], s2y[i]});

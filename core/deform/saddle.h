@@ -34,26 +34,30 @@ class Saddle {
 
   Eigen::Index size() const { return matrix_.rows(); }
 
-  // Solves with one step of refinement. All three vectors have size() entries and do not overlap.
-  void Solve(const Vector& right, Vector& solution, Vector& residual) const {
+  // One stream's scratch; Resize once.
+  struct Scratch {
+    Vector right, solution, residual, permuted;
+    void Resize(Eigen::Index size) {
+      for (Vector* v : {&right, &solution, &residual, &permuted}) v->setZero(size);
+    }
+  };
+
+  // scratch.solution := solution for scratch.right, with one step of refinement.
+  void Solve(Scratch& scratch) const {
     if (size() == 0) return;
-    SolveOnce(right, solution);
-    residual = right;
-    residual.noalias() -= matrix_ * solution;
-    SolveInPlace(residual);
-    solution += residual;
+    SolveOnce(scratch.right, scratch.solution);
+    scratch.residual = scratch.right;
+    scratch.residual.noalias() -= matrix_ * scratch.solution;
+    SolveOnce(scratch.residual, scratch.permuted);
+    scratch.solution += scratch.permuted;
   }
 
  private:
+  // LU::solve and permutations in place allocate; this does not.
   void SolveOnce(const Vector& right, Vector& solution) const {
-    solution = right;
-    SolveInPlace(solution);
-  }
-  // Row swaps by hand: Eigen's permutation product and LU::solve may allocate.
-  void SolveInPlace(Vector& x) const {
-    x.applyOnTheLeft(lu_.permutationP());
-    lu_.matrixLU().template triangularView<Eigen::UnitLower>().solveInPlace(x);
-    lu_.matrixLU().template triangularView<Eigen::Upper>().solveInPlace(x);
+    solution.noalias() = lu_.permutationP() * right;
+    lu_.matrixLU().template triangularView<Eigen::UnitLower>().solveInPlace(solution);
+    lu_.matrixLU().template triangularView<Eigen::Upper>().solveInPlace(solution);
   }
 
   Matrix matrix_;

@@ -62,6 +62,27 @@ cholmod_sparse View(const Eigen::SparseMatrix<Scalar>& lower) {
   return view;
 }
 
+// A simplicial solve works on blocks of 4 columns, leaves its buffer with the shape of the last
+// block, and the next solve would allocate it anew because of that. Giving it its shape back keeps
+// the memory.
+void RestoreShape(cholmod_dense* y, std::size_t n) {
+  if (y == nullptr || n == 0 || y->nzmax != 4 * n) return;
+  y->nrow = y->d = 4;
+  y->ncol = n;
+}
+
+// LDLᵗ goes on when a pivot is negative; the diagonal tells. LLᵗ has stopped by then.
+bool HasPositivePivots(const cholmod_factor& f) {
+  if (f.is_super || f.is_ll) return true;
+  const std::size_t step = f.xtype == CHOLMOD_COMPLEX ? 2 : 1;
+  const int* begin = static_cast<const int*>(f.p);
+  const double* x = static_cast<const double*>(f.x);
+  for (std::size_t j = 0; j < f.n; ++j) {
+    if (!(x[static_cast<std::size_t>(begin[j]) * step] > 0)) return false;
+  }
+  return true;
+}
+
 const char* StatusText(int status) {
   switch (status) {
     case CHOLMOD_NOT_POSDEF:
@@ -130,9 +151,11 @@ Result<std::shared_ptr<const Factor<Scalar>>> Factor<Scalar>::Make(
   data->factor = cholmod_analyze_p(&matrix, given, nullptr, 0, common);
   if (data->factor) cholmod_factorize(&matrix, data->factor, common);
   if (!data->factor || common->status != CHOLMOD_OK ||
-      data->factor->minor != static_cast<std::size_t>(lower.rows())) {
+      data->factor->minor != static_cast<std::size_t>(lower.rows()) ||
+      !HasPositivePivots(*data->factor)) {
+    const int status = common->status == CHOLMOD_OK ? CHOLMOD_NOT_POSDEF : common->status;
     return Fail(FaultKind::kNumerical,
-                fmt::format("factoring {} unknowns: {}", lower.rows(), StatusText(common->status)));
+                fmt::format("factoring {} unknowns: {}", lower.rows(), StatusText(status)));
   }
   return std::shared_ptr<const Factor>(new Factor(std::move(data)));
 }
@@ -149,6 +172,7 @@ std::span<const Scalar> Factor<Scalar>::Solve(std::span<const Scalar> right, std
   view.x = const_cast<Scalar*>(right.data());  // read only
   view.xtype = kXtype<Scalar>;
   view.dtype = CHOLMOD_DOUBLE;
+  if (!data_->factor->is_super) RestoreShape(buffers.y, size());
   const int ok = cholmod_solve2(CHOLMOD_A, data_->factor, &view, nullptr, &buffers.x, nullptr,
                                 &buffers.y, &buffers.e, scratch.common.get());
   if (!ok) return {};

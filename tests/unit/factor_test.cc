@@ -1,0 +1,124 @@
+// The CHOLMOD room against dense Eigen, in both layouts, real and complex.
+#include "core/sparse/factor.h"
+
+#include <random>
+#include <thread>
+#include <vector>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+namespace arap::testing {
+namespace {
+
+template <class Scalar>
+Scalar Number(std::mt19937_64& random) {
+  const auto unit = [&] { return 2 * static_cast<double>(random() >> 11) * 0x1p-53 - 1; };
+  if constexpr (std::is_same_v<Scalar, double>) {
+    return unit();
+  } else {
+    const double re = unit(), im = unit();
+    return {re, im};
+  }
+}
+
+// Sparse, Hermitian, diagonally dominant.
+template <class Scalar>
+Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> RandomMatrix(int n, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> a =
+      Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>::Zero(n, n);
+  for (int k = 0; k < 4 * n; ++k) {
+    const auto i = static_cast<int>(random() % static_cast<std::uint64_t>(n));
+    const auto j = static_cast<int>(random() % static_cast<std::uint64_t>(n));
+    if (i == j) continue;
+    const Scalar x = Number<Scalar>(random);
+    a(i, j) += x;
+    a(j, i) = Eigen::numext::conj(a(i, j));
+  }
+  for (int i = 0; i < n; ++i) a(i, i) = a.row(i).cwiseAbs().sum() + 1;
+  return a;
+}
+
+template <class Scalar>
+class FactorTest : public ::testing::Test {};
+using Scalars = ::testing::Types<double, std::complex<double>>;
+TYPED_TEST_SUITE(FactorTest, Scalars);
+
+TYPED_TEST(FactorTest, SolvesLikeADenseFactorisation) {
+  using Scalar = TypeParam;
+  for (const FactorLayout layout : {FactorLayout::kSupernodal, FactorLayout::kSimplicial}) {
+    const auto a = RandomMatrix<Scalar>(120, 5);
+    const Eigen::SparseMatrix<Scalar> lower =
+        Eigen::SparseMatrix<Scalar>(a.sparseView()).template triangularView<Eigen::Lower>();
+    const auto factor = Factor<Scalar>::Make(lower, layout);
+    ASSERT_TRUE(factor.has_value()) << factor.error().message;
+    Workspace workspace;
+    std::mt19937_64 random(9);
+    for (const std::size_t columns : {1u, 2u, 7u}) {
+      Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> b(120, columns);
+      for (auto& x : b.reshaped()) x = Number<Scalar>(random);
+      const Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> expected = a.llt().solve(b);
+      const auto x =
+          (*factor)->Solve({b.data(), static_cast<std::size_t>(b.size())}, columns, workspace);
+      ASSERT_EQ(x.size(), static_cast<std::size_t>(b.size()));
+      for (Eigen::Index i = 0; i < b.size(); ++i) {
+        EXPECT_LE(std::abs(x[static_cast<std::size_t>(i)] - expected.data()[i]), 1e-13);
+      }
+    }
+  }
+}
+
+TYPED_TEST(FactorTest, TakesTheOrderOfAnother) {
+  using Scalar = TypeParam;
+  const auto a = RandomMatrix<Scalar>(60, 6);
+  const Eigen::SparseMatrix<Scalar> lower =
+      Eigen::SparseMatrix<Scalar>(a.sparseView()).template triangularView<Eigen::Lower>();
+  const auto first = Factor<Scalar>::Make(lower, FactorLayout::kSimplicial);
+  ASSERT_TRUE(first.has_value());
+  const auto second = Factor<Scalar>::Make(lower, FactorLayout::kSimplicial, (*first)->order());
+  ASSERT_TRUE(second.has_value());
+  std::vector<Scalar> b(60, Scalar(1));
+  Workspace w1, w2;
+  const auto x = (*first)->Solve(b, 1, w1), y = (*second)->Solve(b, 1, w2);
+  for (std::size_t i = 0; i < b.size(); ++i) EXPECT_LE(std::abs(x[i] - y[i]), 1e-14);
+}
+
+TYPED_TEST(FactorTest, NamesAMatrixThatIsNotPositiveDefinite) {
+  using Scalar = TypeParam;
+  auto a = RandomMatrix<Scalar>(30, 7);
+  a(4, 4) = Scalar(-1);
+  const Eigen::SparseMatrix<Scalar> lower =
+      Eigen::SparseMatrix<Scalar>(a.sparseView()).template triangularView<Eigen::Lower>();
+  for (const FactorLayout layout : {FactorLayout::kSupernodal, FactorLayout::kSimplicial}) {
+    const auto factor = Factor<Scalar>::Make(lower, layout);
+    ASSERT_FALSE(factor.has_value());
+    EXPECT_EQ(factor.error().kind, FaultKind::kNumerical);
+  }
+}
+
+TYPED_TEST(FactorTest, IsSharedByThreadsWithEqualBytes) {
+  using Scalar = TypeParam;
+  const auto a = RandomMatrix<Scalar>(200, 8);
+  const Eigen::SparseMatrix<Scalar> lower =
+      Eigen::SparseMatrix<Scalar>(a.sparseView()).template triangularView<Eigen::Lower>();
+  const auto factor = Factor<Scalar>::Make(lower, FactorLayout::kSupernodal);
+  ASSERT_TRUE(factor.has_value());
+  std::vector<std::vector<Scalar>> answers(4);
+  std::vector<std::thread> threads;
+  for (auto& answer : answers) {
+    threads.emplace_back([&answer, &factor] {
+      Workspace workspace;
+      const std::vector<Scalar> b(400, Scalar(1));
+      for (int i = 0; i < 20; ++i) {
+        const auto x = (*factor)->Solve(b, 2, workspace);
+        answer.assign(x.begin(), x.end());
+      }
+    });
+  }
+  for (std::thread& t : threads) t.join();
+  for (const auto& answer : answers) EXPECT_EQ(answer, answers[0]);
+}
+
+}  // namespace
+}  // namespace arap::testing

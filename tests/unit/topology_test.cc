@@ -1,0 +1,83 @@
+#include "core/mesh/topology.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/mesh/locate.h"
+#include "tests/support/meshes.h"
+
+namespace arap::testing {
+namespace {
+
+Topology Of(const PlanarMesh& mesh) { return BuildTopology(mesh.vertices.size(), mesh.triangles); }
+
+TEST(TopologyTest, CountsAGrid) {
+  const Topology topology = Of(Grid(4, 3, 1, 1));
+  EXPECT_EQ(topology.edges.size(), 4u * 4 + 5u * 3 + 4u * 3);
+  EXPECT_EQ(topology.components, 1u);
+  EXPECT_EQ(topology.pieces, 1u);
+  EXPECT_EQ(topology.boundary_loops, 1u);
+  EXPECT_TRUE(topology.joints.empty());
+}
+
+TEST(TopologyTest, KnowsTrianglesAndOppositesOfAnEdge) {
+  const PlanarMesh mesh{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {{0, 1, 2}, {0, 2, 3}}};
+  const Topology topology = Of(mesh);
+  for (const Edge& e : topology.edges) {
+    if (e.v0 == 0 && e.v1 == 2) {
+      EXPECT_EQ(e.opposite[0], 1u);
+      EXPECT_EQ(e.opposite[1], 3u);
+    } else {
+      EXPECT_TRUE(e.boundary());
+      EXPECT_EQ(e.opposite[1], kNone);
+    }
+  }
+}
+
+TEST(TopologyTest, CountsLoopsComponentsAndUnreferenced) {
+  EXPECT_EQ(Of(Annulus(2, 8, 1, 2)).boundary_loops, 2u);
+  PlanarMesh two = TwoComponents(3, 3, 1);
+  two.vertices.push_back({50, 50});
+  const Topology topology = Of(two);
+  EXPECT_EQ(topology.components, 2u);
+  EXPECT_EQ(topology.boundary_loops, 2u);
+  EXPECT_EQ(topology.unreferenced, 1u);
+  EXPECT_EQ(topology.vertex_component.back(), kNone);
+  EXPECT_EQ(topology.vertex_component.front(), 0u);
+}
+
+TEST(TopologyTest, FindsTheJointOfABowtie) {
+  const PlanarMesh bowtie{{{0, 0}, {-1, -1}, {-1, 1}, {1, -1}, {1, 1}}, {{0, 2, 1}, {0, 3, 4}}};
+  const Topology topology = Of(bowtie);
+  EXPECT_EQ(topology.components, 1u);
+  EXPECT_EQ(topology.pieces, 2u);
+  EXPECT_THAT(topology.joints, ::testing::ElementsAre(0));
+  EXPECT_EQ(topology.boundary_loops, 2u);
+}
+
+TEST(LocateTest, FindsTheLowestTriangleAndTheNearestBoundary) {
+  const PlanarMesh mesh = Grid(4, 4, 4, 4);
+  const auto inside = Locate(mesh.vertices, mesh.triangles, {1.75, 2.25});
+  ASSERT_TRUE(inside.has_value());
+  Complex p = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    p += inside->barycentric[k] * mesh.vertices[mesh.triangles[inside->triangle][k]];
+  }
+  EXPECT_LE(std::abs(p - Complex(1.75, 2.25)), 1e-12);
+  EXPECT_FALSE(Locate(mesh.vertices, mesh.triangles, {5, 1}).has_value());
+  const Located near = NearestOnBoundary(mesh.vertices, mesh.triangles, Of(mesh), {5.5, 1.25});
+  EXPECT_LE(std::abs(near.point - Complex(4, 1.25)), 1e-12);
+  EXPECT_NEAR(near.distance, 1.5, 1e-12);
+  // A vertex belongs to several triangles: the lowest wins.
+  const auto corner = Locate(mesh.vertices, mesh.triangles, mesh.vertices[6]);
+  std::uint32_t lowest = kNone;
+  for (std::uint32_t t = 0; t < mesh.triangles.size() && lowest == kNone; ++t) {
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      if (v == 6) lowest = t;
+    }
+  }
+  EXPECT_EQ(corner->triangle, lowest);
+}
+
+}  // namespace
+}  // namespace arap::testing
