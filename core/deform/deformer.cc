@@ -201,9 +201,9 @@ void Deformer::Scratch::AddColumns(const double* z, Complex lambda) {
 // Step 1: its whole answer is a fixed combination of the targets.
 void Deformer::Scratch::SimilarityStep() {
   const auto k = static_cast<Eigen::Index>(set.active_rows.size());
-  r1.setZero();
-  for (Eigen::Index i = 0; i < k; ++i)
-    r1[i] = targets[set.active_rows[static_cast<std::size_t>(i)]];
+  for (Eigen::Index i = 0; i < k; ++i) {
+    step1.right[i] = targets[set.active_rows[static_cast<std::size_t>(i)]];
+  }
   set.saddle1.Solve(step1);
   const auto& s1 = step1.solution;
 
