@@ -72,7 +72,7 @@ void AddFlatten(CLI::App& app, Run& run) {
   AddServerFlags(*command, flags->server);
   command->add_option("--out", flags->out, "write the surface with flat positions as vt")
       ->required()
-      ->option_text("FILE.obj");
+      ->option_text("FILE.obj REQUIRED");
   command
       ->add_option("--svg", flags->svg,
                    "write the layout, each triangle coloured by its larger principal strain")

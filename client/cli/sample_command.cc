@@ -54,7 +54,9 @@ std::pair<CLI::App*, std::shared_ptr<SampleOptions>> AddOne(CLI::App& sample, Ru
                                                             Maker make) {
   auto options = std::make_shared<SampleOptions>();
   CLI::App* const command = sample.add_subcommand(name, help);
-  command->add_option("--out", options->out, "write the mesh")->required()->option_text("FILE.obj");
+  command->add_option("--out", options->out, "write the mesh")
+      ->required()
+      ->option_text("FILE.obj REQUIRED");
   command->callback([options, make, &run] {
     run = [options, make] {
       const Status made = make(*options);

@@ -4,9 +4,9 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -34,7 +34,8 @@ constexpr milliseconds kStopTimeout{15'000};
 constexpr std::size_t kLongestDirectory = 80;
 
 auto SystemFault(std::string_view what) {
-  return Fail(FaultKind::kInternal, fmt::format("{}: {}", what, std::strerror(errno)));
+  return Fail(FaultKind::kInternal,
+              fmt::format("{}: {}", what, std::generic_category().message(errno)));
 }
 
 std::string FindServer() {

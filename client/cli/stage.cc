@@ -15,8 +15,8 @@ void AddStageOptions(CLI::App& command, StageOptions& options, bool out_required
   AddServerFlags(command, options.server);
   CLI::Option* const out =
       command.add_option("--out", options.out, "write the shapes, a row per frame")
-          ->option_text("FILE.csv");
-  if (out_required) out->required();
+          ->option_text(out_required ? "FILE.csv REQUIRED" : "FILE.csv");
+  out->required(out_required);
   command.add_option("--svg", options.svg, "write an animation that loops")
       ->option_text("FILE.svg");
   command.add_option("--frames-svg", options.frames_svg, "write a sheet of eight frames")

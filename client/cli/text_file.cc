@@ -1,9 +1,9 @@
 #include "client/cli/text_file.h"
 
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <sstream>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -15,7 +15,8 @@ Result<std::string> ReadTextFile(const std::string& path) {
   std::ostringstream text;
   // A directory opens, but has nothing to read.
   if (!file || !(text << file.rdbuf())) {
-    const char* reason = errno != 0 ? std::strerror(errno) : "nothing to read";
+    const std::string reason =
+        errno != 0 ? std::generic_category().message(errno) : "nothing to read";
     return Fail(FaultKind::kNotFound, fmt::format("{}: {}", path, reason));
   }
   return std::move(text).str();
@@ -27,7 +28,7 @@ Status WriteTextFile(const std::string& path, std::string_view text) {
   file << text << std::flush;
   if (!file) {
     return Fail(FaultKind::kInternal,
-                fmt::format("cannot write {}: {}", path, std::strerror(errno)));
+                fmt::format("cannot write {}: {}", path, std::generic_category().message(errno)));
   }
   return {};
 }

@@ -22,7 +22,7 @@ double Bear(Point p) {
   const auto leg = [](Point q) { return Capsule(q, {19, 58}, {31, 20}, 18, 20); };
   const double legs = SmoothUnion(leg(p), leg({-p.real(), p.imag()}), 10);
 
-  double bear = SmoothUnion(trunk, head, 14);
+  double bear = SmoothUnion(trunk, head, 22);
   bear = SmoothUnion(bear, ears, 8);
   bear = SmoothUnion(bear, arms, 14);
   return SmoothUnion(bear, legs, 12);

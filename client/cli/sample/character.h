@@ -6,9 +6,9 @@
 
 namespace arap::cli {
 
-inline constexpr double kCharacterEdge = 5;
+inline constexpr double kCharacterEdge = 4;
 
-// `edge` is the length of its edges, 1 to 10.
+// `edge` is the length of its edges, 1 to 8.
 client::PlanarMesh MakeCharacter(double edge);
 
 // 120 frames that loop: handles at the hands, the feet and the head. `mesh` is a character.

@@ -1,4 +1,5 @@
 // How the sample character moves.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>

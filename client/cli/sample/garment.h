@@ -8,7 +8,7 @@ namespace arap::cli {
 inline constexpr double kGarmentEdge = 2.5;
 
 // One disk. Nearly developable: round the hip, with folds that deepen towards the hem. `edge` is
-// the length of its edges, 0.5 to 10.
+// the length of its edges, 0.5 to 8.
 client::SurfaceMesh MakeGarment(double edge);
 
 }  // namespace arap::cli

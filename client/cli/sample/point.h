@@ -1,8 +1,8 @@
 // Points of the plane.
 #pragma once
 
+#include <cmath>
 #include <complex>
-#include <vector>
 
 namespace arap::cli {
 
