@@ -1,0 +1,43 @@
+// Engine: everything that the RPCs of one server share.
+#pragma once
+
+#include <cstddef>
+
+#include "server/app/limits.h"
+#include "server/app/mesh_cache.h"
+#include "server/app/open_streams.h"
+#include "server/app/session_registry.h"
+#include "server/runtime/clock.h"
+#include "server/runtime/worker_pool.h"
+
+namespace arap::app {
+
+// How much runs at once.
+struct Lanes {
+  std::size_t workers = 2;      // threads of the interactive lane
+  std::size_t job_workers = 1;  // threads of the job lane
+  std::size_t queue = 256;      // waiting jobs of each lane
+};
+
+// Thread-safe member by member. Two lanes, so that an upload never delays a drag: deformation and
+// quick answers run on `interactive`; registration, compilation, edits, flattening and tracks on
+// `jobs`.
+struct Engine {
+  // `clock` outlives the engine.
+  Engine(const Limits& the_limits, const Lanes& lanes, const runtime::Clock& clock)
+      : limits(the_limits),
+        sessions(limits, clock),
+        streams(limits.max_streams),
+        interactive(lanes.workers, lanes.queue),
+        jobs(lanes.job_workers, lanes.queue) {}
+
+  const Limits limits;
+  SessionRegistry sessions;
+  MeshCache meshes;
+  OpenStreams streams;
+  // Last, so that no job outlives what it uses.
+  runtime::WorkerPool interactive;
+  runtime::WorkerPool jobs;
+};
+
+}  // namespace arap::app

@@ -1,0 +1,37 @@
+// Handle sets: compiled and edited in a session.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/cancel.h"
+#include "core/base/result.h"
+#include "core/deform/handle.h"
+#include "server/app/engine.h"
+#include "server/app/session.h"
+
+namespace arap::app {
+
+// Takes one back-substitution per constraint row: for the job lane. Compiling the same handles
+// under the same id again is harmless. Faults: kInvalidName, kNotFound, kTooManyHandles,
+// kAlreadyExists, kLimitExceeded and those of CompiledHandles::Compile.
+Result<HandleSetEntry> CompileHandles(Engine& engine, const std::string& session_id,
+                                      const std::string& mesh_id, const std::string& handle_set_id,
+                                      const std::vector<Handle>& handles,
+                                      const CancelToken& cancel);
+
+// Removes, then adds, and stores the next revision. Edits of one set that meet are done one after
+// the other. Faults: kNotFound, kUnknownHandle, kTooManyHandles and those of Compile with fields
+// "add[i]…".
+Result<HandleSetEntry> EditHandles(Engine& engine, const std::string& session_id,
+                                   const std::string& handle_set_id,
+                                   const std::vector<std::string>& remove,
+                                   const std::vector<Handle>& add, const CancelToken& cancel);
+
+// One edit on its own: the next revision of `entry`, not stored anywhere.
+Result<HandleSetEntry> EditEntry(const HandleSetEntry& entry,
+                                 const std::vector<std::string>& remove,
+                                 const std::vector<Handle>& add, const Limits& limits,
+                                 const CancelToken& cancel);
+
+}  // namespace arap::app

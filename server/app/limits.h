@@ -1,0 +1,32 @@
+// Limits: every quota of the server with its default. Each is a flag of arapd and a field of
+// GetServerInfo, and an answer that refuses a request names the one that it ran into.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+namespace arap::app {
+
+struct Limits {
+  std::size_t max_sessions = 1'000;
+  std::size_t max_meshes_per_session = 16;
+  std::size_t max_handle_sets_per_session = 64;
+  std::size_t max_vertices = 1'000'000;
+  std::size_t max_triangles = 2'000'000;
+  std::size_t max_handles = 1'000;             // of one handle set
+  std::size_t max_message_bytes = 64u << 20u;  // of one request message
+  std::size_t max_streams = 1'000;             // open streams and running tracks together
+  std::size_t max_track_frames = 10'000;
+  std::uint32_t max_refine = 100;
+  std::chrono::milliseconds default_ttl = std::chrono::hours(1);
+  std::chrono::milliseconds max_ttl = std::chrono::hours(24);
+};
+
+inline constexpr std::chrono::milliseconds kMinTtl = std::chrono::seconds(1);
+inline constexpr std::size_t kMaxLabels = 16;
+inline constexpr std::size_t kMaxLabelBytes = 128;
+inline constexpr std::size_t kDefaultPageSize = 100;
+inline constexpr std::size_t kMaxPageSize = 1'000;
+
+}  // namespace arap::app

@@ -1,0 +1,62 @@
+#include "server/app/names.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace arap::app {
+namespace {
+
+constexpr std::size_t kMaxQuoted = 64;
+
+bool IsNameCharacter(char c) {
+  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.' ||
+         c == '_' || c == '-';
+}
+
+}  // namespace
+
+bool IsName(std::string_view name) {
+  return !name.empty() && name.size() <= kMaxNameLength &&
+         std::all_of(name.begin(), name.end(), IsNameCharacter);
+}
+
+Status CheckName(std::string_view name, std::string field) {
+  if (IsName(name)) return {};
+  return Fail(Fault{FaultKind::kInvalidName,
+                    fmt::format("{} is {}, but an id is 1 to {} characters of [A-Za-z0-9._-].",
+                                field, Quote(name), kMaxNameLength),
+                    {},
+                    {{"length", std::to_string(name.size())}},
+                    field});
+}
+
+std::string Quote(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text.substr(0, kMaxQuoted)) quoted += c >= ' ' && c <= '~' ? c : '?';
+  quoted += text.size() > kMaxQuoted ? "\"..." : "\"";
+  return quoted;
+}
+
+Fault NotFound(std::string_view what, std::string_view name) {
+  Fault fault{
+      FaultKind::kNotFound, fmt::format("There is no {} {}.", what, Quote(name)), {}, {}, {}};
+  fault.Detail("resource", std::string(what)).Detail("id", std::string(name));
+  return fault;
+}
+
+Fault QuotaFull(std::string_view quota, std::size_t limit) {
+  Fault fault{FaultKind::kLimitExceeded,
+              fmt::format("The quota {} of {} is used up.", quota, limit),
+              {},
+              {},
+              {}};
+  fault.Detail("quota", std::string(quota)).Detail("limit", std::to_string(limit));
+  return fault;
+}
+
+Fault Overloaded() {
+  return {FaultKind::kOverloaded, "All workers are busy and the queue is full.", {}, {}, {}};
+}
+
+}  // namespace arap::app

@@ -1,0 +1,7 @@
+#include "server/app/version.h"
+
+namespace arap::app {
+
+const char* Version() { return ARAP_VERSION; }
+
+}  // namespace arap::app

@@ -1,0 +1,8 @@
+// The version of the server, "major.minor.patch".
+#pragma once
+
+namespace arap::app {
+
+const char* Version();
+
+}  // namespace arap::app

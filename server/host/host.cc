@@ -1,0 +1,148 @@
+#include "server/host/host.h"
+
+#include <algorithm>
+#include <limits>
+#include <mutex>
+#include <utility>
+
+#include <fmt/format.h>
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/grpcpp.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/impl/service_type.h>
+#include <unistd.h>
+
+#include "server/host/listen.h"
+#include "server/rpc/services.h"
+
+namespace arap::host {
+namespace {
+
+// A client may ask for a sign of life this often, also without a call. Clients that ping more often
+// than a server allows are cut off, so this is generous.
+constexpr int kMinPingIntervalMs = 1'000;
+// The server asks after this much silence, and gives up after this long without an answer.
+constexpr int kKeepaliveMs = 60'000;
+constexpr int kKeepaliveTimeoutMs = 20'000;
+
+void Configure(const HostOptions& options, grpc::ServerBuilder& builder) {
+  constexpr std::size_t kLargest = std::numeric_limits<int>::max();
+  builder.SetMaxReceiveMessageSize(
+      static_cast<int>(std::min(options.limits.max_message_bytes, kLargest)));
+  // Answers are bounded by the size of the meshes.
+  builder.SetMaxSendMessageSize(-1);
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
+                             kMinPingIntervalMs);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
+}
+
+// Both are switches of the whole process, read when a server is built: one server is built at a
+// time.
+std::unique_ptr<grpc::Server> Build(grpc::ServerBuilder& builder) {
+  grpc::EnableDefaultHealthCheckService(true);
+  return builder.BuildAndStart();
+}
+
+}  // namespace
+
+class Host::Impl {
+ public:
+  explicit Impl(HostOptions options)
+      : clock_(options.clock ? options.clock : std::make_shared<runtime::SystemClock>()),
+        engine_(options.limits, options.lanes, *clock_),
+        services_(rpc::MakeServices(engine_)),
+        listen_(options.listen) {}
+
+  ~Impl() { Stop(std::chrono::milliseconds::zero()); }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  app::Engine& engine() { return engine_; }
+
+  Result<std::vector<std::string>> Serve(const HostOptions& options) {
+    if (options.reflection) {
+      static std::once_flag once;
+      std::call_once(once, grpc::reflection::InitProtoReflectionServerBuilderPlugin);
+    }
+    grpc::ServerBuilder builder;
+    Configure(options, builder);
+    std::vector<int> ports(listen_.size(), 0);
+    for (std::size_t i = 0; i < listen_.size(); ++i) {
+      if (auto ready = PrepareAddress(listen_[i]); !ready) return Fail(std::move(ready.error()));
+      builder.AddListeningPort(listen_[i], grpc::InsecureServerCredentials(), &ports[i]);
+    }
+    for (const rpc::NamedService& service : services_) {
+      builder.RegisterService(service.service.get());
+    }
+    server_ = Build(builder);
+    if (!server_) return Fail(CannotListen(ports));
+    if (auto* health = server_->GetHealthCheckService()) {
+      for (const rpc::NamedService& service : services_) {
+        health->SetServingStatus(service.name, true);
+      }
+    }
+    std::vector<std::string> addresses;
+    for (std::size_t i = 0; i < listen_.size(); ++i) {
+      addresses.push_back(BoundAddress(listen_[i], ports[i]));
+    }
+    return addresses;
+  }
+
+  void Stop(std::chrono::milliseconds grace) {
+    if (server_) {
+      if (auto* health = server_->GetHealthCheckService()) health->SetServingStatus(false);
+      engine_.streams.Drain();
+      server_->Shutdown(std::chrono::system_clock::now() + grace);
+      server_->Wait();
+      server_.reset();
+      for (const std::string& address : listen_) {
+        if (const std::string path = UnixPath(address); !path.empty()) unlink(path.c_str());
+      }
+    }
+    // After the calls: their last jobs finish them.
+    engine_.interactive.Stop();
+    engine_.jobs.Stop();
+  }
+
+ private:
+  Fault CannotListen(const std::vector<int>& ports) const {
+    // The first port that was not bound; those after it were not tried.
+    std::size_t failed = 0;
+    while (failed + 1 < ports.size() && ports[failed] != 0) ++failed;
+    const std::string address = listen_.empty() ? "(no address)" : listen_[failed];
+    return {FaultKind::kAlreadyExists,
+            fmt::format("Cannot listen on {}: it is in use or not an address of this machine.",
+                        address),
+            {},
+            {{"address", address}},
+            "listen"};
+  }
+
+  // Destroyed from the bottom up: the server before its services before what they work on.
+  const std::shared_ptr<const runtime::Clock> clock_;
+  app::Engine engine_;
+  const std::vector<rpc::NamedService> services_;
+  const std::vector<std::string> listen_;
+  std::unique_ptr<grpc::Server> server_;
+};
+
+Result<std::unique_ptr<Host>> Host::Start(HostOptions options) {
+  auto impl = std::make_unique<Impl>(options);
+  auto addresses = impl->Serve(options);
+  if (!addresses) return Fail(std::move(addresses.error()));
+  return std::unique_ptr<Host>(new Host(std::move(impl), *std::move(addresses)));
+}
+
+Host::Host(std::unique_ptr<Impl> impl, std::vector<std::string> addresses)
+    : impl_(std::move(impl)), addresses_(std::move(addresses)) {}
+
+Host::~Host() = default;
+
+app::Engine& Host::engine() { return impl_->engine(); }
+
+void Host::Stop(std::chrono::milliseconds grace) { impl_->Stop(grace); }
+
+}  // namespace arap::host

@@ -1,0 +1,36 @@
+#include <arap/v1/deformation_service.pb.h>
+
+#include "server/app/engine.h"
+#include "server/app/targets.h"
+#include "server/rpc/convert_handles.h"
+#include "server/rpc/convert_shape.h"
+#include "server/rpc/handlers.h"
+#include "server/runtime/stopwatch.h"
+
+namespace arap::rpc {
+
+Status Deform(app::Engine& engine, const v1::DeformRequest& request, const Call& call,
+              v1::DeformResponse* response) {
+  const runtime::Stopwatch working;
+  auto session = engine.sessions.Use(request.session_id());
+  if (!session) return Fail(std::move(session.error()));
+  auto entry = (*session)->FindHandleSet(request.handle_set_id());
+  if (!entry) return Fail(std::move(entry.error()));
+  auto options = FromWire(request.options(), engine.limits);
+  if (!options) return Fail(std::move(options.error()));
+  if (auto picks = CheckPicks(request.pick_points_size()); !picks) return picks;
+  auto targets = app::CompleteTargets(*entry->handles, FromWire(request.targets()));
+  if (!targets) return Fail(std::move(targets.error()));
+
+  Deformer deformer(entry->handles);
+  auto quality = deformer.Update(*targets, options->deform);
+  if (!quality) return Fail(std::move(quality.error()));
+  v1::Shape& shape = *response->mutable_shape();
+  if (auto good = ToWire(deformer, *quality, *options, &shape); !good) return good;
+  shape.set_handle_set_revision(entry->revision);
+  shape.set_queue_micros(call.queue_micros);
+  shape.set_solve_micros(working.Micros());
+  return {};
+}
+
+}  // namespace arap::rpc

@@ -1,0 +1,66 @@
+#include <arap/v1/deformation_service.pb.h>
+
+#include "server/app/engine.h"
+#include "server/app/handle_sets.h"
+#include "server/rpc/convert_handles.h"
+#include "server/rpc/convert_session.h"
+#include "server/rpc/handlers.h"
+#include "server/runtime/stopwatch.h"
+
+namespace arap::rpc {
+namespace {
+
+// The two answers have the same fields.
+template <class Response>
+void Answer(const app::HandleSetEntry& entry, const Call& call, const runtime::Stopwatch& working,
+            Response* response) {
+  ToWire(entry, response->mutable_handle_set());
+  SetMicros(call.queue_micros, response->mutable_queue_time());
+  SetMicros(working.Micros(), response->mutable_solve_time());
+}
+
+}  // namespace
+
+Status CompileHandles(app::Engine& engine, const v1::CompileHandlesRequest& request,
+                      const Call& call, v1::CompileHandlesResponse* response) {
+  const runtime::Stopwatch working;
+  auto handles = FromWire(request.handles(), "handles");
+  if (!handles) return Fail(std::move(handles.error()));
+  auto entry = app::CompileHandles(engine, request.session_id(), request.mesh_id(),
+                                   request.handle_set_id(), *handles, call.cancel);
+  if (!entry) return Fail(std::move(entry.error()));
+  Answer(*entry, call, working, response);
+  return {};
+}
+
+Status EditHandles(app::Engine& engine, const v1::EditHandlesRequest& request, const Call& call,
+                   v1::EditHandlesResponse* response) {
+  const runtime::Stopwatch working;
+  auto add = FromWire(request.add(), "add");
+  if (!add) return Fail(std::move(add.error()));
+  auto entry =
+      app::EditHandles(engine, request.session_id(), request.handle_set_id(),
+                       {request.remove().begin(), request.remove().end()}, *add, call.cancel);
+  if (!entry) return Fail(std::move(entry.error()));
+  Answer(*entry, call, working, response);
+  return {};
+}
+
+Status GetHandleSet(app::Engine& engine, const v1::GetHandleSetRequest& request, const Call&,
+                    v1::GetHandleSetResponse* response) {
+  auto session = engine.sessions.Use(request.session_id());
+  if (!session) return Fail(std::move(session.error()));
+  auto entry = (*session)->FindHandleSet(request.handle_set_id());
+  if (!entry) return Fail(std::move(entry.error()));
+  ToWire(*entry, response->mutable_handle_set());
+  return {};
+}
+
+Status DeleteHandleSet(app::Engine& engine, const v1::DeleteHandleSetRequest& request, const Call&,
+                       v1::DeleteHandleSetResponse*) {
+  auto session = engine.sessions.Use(request.session_id());
+  if (!session) return Fail(std::move(session.error()));
+  return (*session)->DeleteHandleSet(request.handle_set_id());
+}
+
+}  // namespace arap::rpc

@@ -1,0 +1,47 @@
+#include <arap/v1/server_service.pb.h>
+
+#include "server/app/engine.h"
+#include "server/app/version.h"
+#include "server/rpc/convert_session.h"
+#include "server/rpc/handlers.h"
+
+namespace arap::rpc {
+namespace {
+
+constexpr const char* kCapabilities[] = {"basis.edge",      "basis.edge_as_published",
+                                         "basis.face",      "basis.vertex",
+                                         "weights.uniform", "weights.cotangent",
+                                         "mesh.rigidity",   "handle.hard",
+                                         "handle.oriented", "handle.area",
+                                         "handle.depth",    "handle.snap",
+                                         "mode.rigid",      "mode.similarity",
+                                         "mode.baseline",   "deform.refine",
+                                         "deform.track",    "stream.latest",
+                                         "stream.every",    "stream.edit",
+                                         "flatten",         "flatten.refine",
+                                         "result.float64"};
+
+}  // namespace
+
+Status GetServerInfo(app::Engine& engine, const v1::GetServerInfoRequest&, const Call&,
+                     v1::GetServerInfoResponse* response) {
+  response->set_version(app::Version());
+  const app::Limits& limits = engine.limits;
+  v1::Limits& out = *response->mutable_limits();
+  out.set_max_vertices(limits.max_vertices);
+  out.set_max_triangles(limits.max_triangles);
+  out.set_max_handles(limits.max_handles);
+  out.set_max_sessions(limits.max_sessions);
+  out.set_max_meshes_per_session(limits.max_meshes_per_session);
+  out.set_max_handle_sets_per_session(limits.max_handle_sets_per_session);
+  out.set_max_message_bytes(limits.max_message_bytes);
+  out.set_max_refine(limits.max_refine);
+  SetDuration(limits.max_ttl, out.mutable_max_ttl());
+  out.set_max_streams(limits.max_streams);
+  out.set_max_track_frames(limits.max_track_frames);
+  for (const char* capability : kCapabilities) response->add_capabilities(capability);
+  response->set_workers(static_cast<std::uint32_t>(engine.interactive.threads()));
+  return {};
+}
+
+}  // namespace arap::rpc

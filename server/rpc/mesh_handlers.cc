@@ -1,0 +1,46 @@
+#include <arap/v1/deformation_service.pb.h>
+
+#include "server/app/engine.h"
+#include "server/app/registration.h"
+#include "server/rpc/convert_mesh.h"
+#include "server/rpc/convert_session.h"
+#include "server/rpc/handlers.h"
+#include "server/runtime/stopwatch.h"
+
+namespace arap::rpc {
+
+Status RegisterMesh(app::Engine& engine, const v1::RegisterMeshRequest& request, const Call& call,
+                    v1::RegisterMeshResponse* response) {
+  const runtime::Stopwatch working;
+  auto mesh = FromWire(request.mesh(), {engine.limits.max_vertices, engine.limits.max_triangles});
+  if (!mesh) return Fail(std::move(mesh.error()));
+  auto options = FromWire(request.energy(), Weights::kUniform, mesh->triangles.size());
+  if (!options) return Fail(std::move(options.error()));
+  auto registration = app::RegisterMesh(engine, request.session_id(), request.mesh_id(),
+                                        *std::move(mesh), *options, call.cancel);
+  if (!registration) return Fail(std::move(registration.error()));
+  ToWire(registration->entry, response->mutable_mesh());
+  response->set_shared(registration->shared);
+  SetMicros(call.queue_micros, response->mutable_queue_time());
+  SetMicros(working.Micros(), response->mutable_solve_time());
+  return {};
+}
+
+Status GetMesh(app::Engine& engine, const v1::GetMeshRequest& request, const Call&,
+               v1::GetMeshResponse* response) {
+  auto session = engine.sessions.Use(request.session_id());
+  if (!session) return Fail(std::move(session.error()));
+  auto entry = (*session)->FindMesh(request.mesh_id());
+  if (!entry) return Fail(std::move(entry.error()));
+  ToWire(*entry, response->mutable_mesh());
+  return {};
+}
+
+Status DeleteMesh(app::Engine& engine, const v1::DeleteMeshRequest& request, const Call&,
+                  v1::DeleteMeshResponse*) {
+  auto session = engine.sessions.Use(request.session_id());
+  if (!session) return Fail(std::move(session.error()));
+  return (*session)->DeleteMesh(request.mesh_id());
+}
+
+}  // namespace arap::rpc

@@ -1,0 +1,174 @@
+#include "server/rpc/services.h"
+
+#include <string>
+
+#include <arap/v1/deformation_service.grpc.pb.h>
+#include <arap/v1/flattening_service.grpc.pb.h>
+#include <arap/v1/server_service.grpc.pb.h>
+
+#include "server/app/engine.h"
+#include "server/rpc/deform_track.h"
+#include "server/rpc/handlers.h"
+#include "server/rpc/stream_deform.h"
+#include "server/rpc/unary_reactor.h"
+
+namespace arap::rpc {
+namespace {
+
+template <class Request>
+std::string SessionIdOf(const Request& request) {
+  if constexpr (requires { request.session_id(); }) {
+    return request.session_id();
+  } else {
+    return {};
+  }
+}
+
+// What a handler costs decides where it runs.
+enum class Cost {
+  kTrivial,  // a look-up: at once
+  kLight,    // up to a frame, or the freeing of something large: interactive
+  kHeavy,    // factors or back-substitutions: jobs
+};
+
+struct Method {
+  const char* name;
+  Cost cost;
+  bool noisy = false;  // logged at debug only
+};
+
+template <class Request, class Response>
+using Handler = Status (*)(app::Engine&, const Request&, const Call&, Response*);
+
+template <class Request, class Response>
+grpc::ServerUnaryReactor* Run(app::Engine& engine, const Method& method,
+                              grpc::CallbackServerContext* context, const Request* request,
+                              Response* response, Handler<Request, Response> handler) {
+  runtime::WorkerPool* lane = nullptr;
+  if (method.cost == Cost::kLight) lane = &engine.interactive;
+  if (method.cost == Cost::kHeavy) lane = &engine.jobs;
+  return RunUnary(context, {method.name, SessionIdOf(*request), method.noisy, lane,
+                            [&engine, request, response, handler](const Call& call) {
+                              return handler(engine, *request, call, response);
+                            }});
+}
+
+using Context = grpc::CallbackServerContext;
+using Unary = grpc::ServerUnaryReactor;
+
+class DeformationServiceImpl final : public v1::DeformationService::CallbackService {
+ public:
+  explicit DeformationServiceImpl(app::Engine& engine) : engine_(engine) {}
+
+  Unary* CreateSession(Context* context, const v1::CreateSessionRequest* request,
+                       v1::CreateSessionResponse* response) override {
+    return Run(engine_, {"CreateSession", Cost::kLight}, context, request, response,
+               rpc::CreateSession);
+  }
+  Unary* GetSession(Context* context, const v1::GetSessionRequest* request,
+                    v1::GetSessionResponse* response) override {
+    return Run(engine_, {"GetSession", Cost::kTrivial, true}, context, request, response,
+               rpc::GetSession);
+  }
+  Unary* ListSessions(Context* context, const v1::ListSessionsRequest* request,
+                      v1::ListSessionsResponse* response) override {
+    return Run(engine_, {"ListSessions", Cost::kLight, true}, context, request, response,
+               rpc::ListSessions);
+  }
+  Unary* DeleteSession(Context* context, const v1::DeleteSessionRequest* request,
+                       v1::DeleteSessionResponse* response) override {
+    return Run(engine_, {"DeleteSession", Cost::kLight}, context, request, response,
+               rpc::DeleteSession);
+  }
+  Unary* RegisterMesh(Context* context, const v1::RegisterMeshRequest* request,
+                      v1::RegisterMeshResponse* response) override {
+    return Run(engine_, {"RegisterMesh", Cost::kHeavy}, context, request, response,
+               rpc::RegisterMesh);
+  }
+  Unary* GetMesh(Context* context, const v1::GetMeshRequest* request,
+                 v1::GetMeshResponse* response) override {
+    return Run(engine_, {"GetMesh", Cost::kTrivial, true}, context, request, response,
+               rpc::GetMesh);
+  }
+  Unary* DeleteMesh(Context* context, const v1::DeleteMeshRequest* request,
+                    v1::DeleteMeshResponse* response) override {
+    return Run(engine_, {"DeleteMesh", Cost::kLight}, context, request, response, rpc::DeleteMesh);
+  }
+  Unary* CompileHandles(Context* context, const v1::CompileHandlesRequest* request,
+                        v1::CompileHandlesResponse* response) override {
+    return Run(engine_, {"CompileHandles", Cost::kHeavy}, context, request, response,
+               rpc::CompileHandles);
+  }
+  Unary* EditHandles(Context* context, const v1::EditHandlesRequest* request,
+                     v1::EditHandlesResponse* response) override {
+    return Run(engine_, {"EditHandles", Cost::kHeavy}, context, request, response,
+               rpc::EditHandles);
+  }
+  Unary* GetHandleSet(Context* context, const v1::GetHandleSetRequest* request,
+                      v1::GetHandleSetResponse* response) override {
+    return Run(engine_, {"GetHandleSet", Cost::kLight, true}, context, request, response,
+               rpc::GetHandleSet);
+  }
+  Unary* DeleteHandleSet(Context* context, const v1::DeleteHandleSetRequest* request,
+                         v1::DeleteHandleSetResponse* response) override {
+    return Run(engine_, {"DeleteHandleSet", Cost::kLight}, context, request, response,
+               rpc::DeleteHandleSet);
+  }
+  Unary* Deform(Context* context, const v1::DeformRequest* request,
+                v1::DeformResponse* response) override {
+    return Run(engine_, {"Deform", Cost::kLight, true}, context, request, response, rpc::Deform);
+  }
+  grpc::ServerWriteReactor<v1::DeformTrackResponse>* DeformTrack(
+      Context* context, const v1::DeformTrackRequest* request) override {
+    return rpc::DeformTrack(engine_, context, request);
+  }
+  grpc::ServerBidiReactor<v1::StreamDeformRequest, v1::StreamDeformResponse>* StreamDeform(
+      Context* context) override {
+    return rpc::StreamDeform(engine_, context);
+  }
+
+ private:
+  app::Engine& engine_;
+};
+
+class FlatteningServiceImpl final : public v1::FlatteningService::CallbackService {
+ public:
+  explicit FlatteningServiceImpl(app::Engine& engine) : engine_(engine) {}
+
+  Unary* Flatten(Context* context, const v1::FlattenRequest* request,
+                 v1::FlattenResponse* response) override {
+    return Run(engine_, {"Flatten", Cost::kHeavy}, context, request, response, rpc::Flatten);
+  }
+
+ private:
+  app::Engine& engine_;
+};
+
+class ServerServiceImpl final : public v1::ServerService::CallbackService {
+ public:
+  explicit ServerServiceImpl(app::Engine& engine) : engine_(engine) {}
+
+  Unary* GetServerInfo(Context* context, const v1::GetServerInfoRequest* request,
+                       v1::GetServerInfoResponse* response) override {
+    return Run(engine_, {"GetServerInfo", Cost::kTrivial, true}, context, request, response,
+               rpc::GetServerInfo);
+  }
+
+ private:
+  app::Engine& engine_;
+};
+
+}  // namespace
+
+std::vector<NamedService> MakeServices(app::Engine& engine) {
+  std::vector<NamedService> services;
+  services.push_back({v1::DeformationService::service_full_name(),
+                      std::make_unique<DeformationServiceImpl>(engine)});
+  services.push_back({v1::FlatteningService::service_full_name(),
+                      std::make_unique<FlatteningServiceImpl>(engine)});
+  services.push_back(
+      {v1::ServerService::service_full_name(), std::make_unique<ServerServiceImpl>(engine)});
+  return services;
+}
+
+}  // namespace arap::rpc

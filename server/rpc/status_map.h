@@ -1,0 +1,31 @@
+// status_map: the one place where faults become statuses of the wire.
+//
+// Every status carries google.rpc.ErrorInfo {reason: an ErrorReason without its prefix, domain:
+// "arapd", metadata: the fault's details and "elements", the first offending ids}, BadRequest when
+// the fault names a field, and RetryInfo with RESOURCE_EXHAUSTED and UNAVAILABLE.
+#pragma once
+
+#include <string>
+
+#include "core/base/fault.h"
+
+namespace grpc {
+class Status;
+}
+namespace google::rpc {
+class Status;
+}
+
+namespace arap::rpc {
+
+// The name of the ErrorReason, without its prefix.
+const char* ReasonOf(FaultKind kind);
+// The name of the canonical code, for logs ("INVALID_ARGUMENT").
+const char* CodeName(FaultKind kind);
+
+// For the end of an RPC. Long texts are cut, so that the status always fits the trailers.
+grpc::Status ToGrpcStatus(const Fault& fault);
+// The same for a message inside a stream.
+google::rpc::Status ToRpcStatus(const Fault& fault);
+
+}  // namespace arap::rpc

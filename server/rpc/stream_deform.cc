@@ -1,0 +1,126 @@
+// The reactor's life: reading, writing, ending. What it does with messages is in
+// stream_deform_work.cc.
+#include "server/rpc/stream_deform.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "server/rpc/status_map.h"
+#include "server/rpc/stream_deform_reactor.h"
+
+namespace arap::rpc {
+
+StreamDeformReactor::StreamDeformReactor(app::Engine& engine, grpc::CallbackServerContext* context)
+    : engine_(engine), context_(context), log_("StreamDeform", "", false) {}
+
+void StreamDeformReactor::Start() {
+  const std::lock_guard lock(mutex_);
+  self_ = shared_from_this();
+  if (auto added = engine_.streams.Add(self_); !added) end_ = std::move(added.error());
+  Pump();
+}
+
+void StreamDeformReactor::OnReadDone(bool ok) {
+  const std::lock_guard lock(mutex_);
+  reading_ = false;
+  (ok ? held_ : reads_done_) = true;
+  Pump();
+}
+
+void StreamDeformReactor::OnWriteDone(bool ok) {
+  const std::lock_guard lock(mutex_);
+  writing_ = false;
+  if (!ok) cancelled_ = true;
+  Pump();
+}
+
+void StreamDeformReactor::OnCancel() {
+  const std::lock_guard lock(mutex_);
+  cancelled_ = true;
+  Pump();
+}
+
+void StreamDeformReactor::End(Fault reason) {
+  const std::lock_guard lock(mutex_);
+  EndLocked(std::move(reason));
+  Pump();
+}
+
+void StreamDeformReactor::EndLocked(Fault reason) {
+  if (!ending()) end_ = std::move(reason);
+}
+
+void StreamDeformReactor::OnDone() {
+  engine_.streams.Remove(this);
+  const std::shared_ptr<StreamDeformReactor> self = std::move(self_);
+  std::shared_ptr<app::Session> session;
+  {
+    const std::lock_guard lock(mutex_);
+    session = session_;
+    log_.End(end_status_,
+             fmt::format(" shapes={} replaced={} errors={}", shapes_, total_replaced_, errors_));
+  }
+  if (session) session->RemoveEndListener(end_listener_);
+}
+
+void StreamDeformReactor::Pump() {
+  if (finished_) return;
+  if (ending()) {
+    held_ = false;
+    next_.reset();
+  }
+  if (cancelled_) outbox_.Clear();
+  while (Take() || Read() || Begin() || Write()) {
+  }
+  FinishWhenOver();
+}
+
+bool StreamDeformReactor::Take() {
+  if (!held_ || ending() || !TakeMessage()) return false;
+  held_ = false;
+  return true;
+}
+
+bool StreamDeformReactor::Read() {
+  if (reading_ || held_ || reads_done_ || ending() || outbox_.pong_waits()) return false;
+  reading_ = true;
+  StartRead(&incoming_);
+  return true;
+}
+
+bool StreamDeformReactor::Write() {
+  if (writing_ || cancelled_ || !outbox_.Pop(&outgoing_)) return false;
+  if (outgoing_.has_shape()) {
+    ++shapes_;
+    total_replaced_ += outgoing_.shape().replaced();
+  }
+  if (outgoing_.has_error()) ++errors_;
+  writing_ = true;
+  StartWrite(&outgoing_);
+  return true;
+}
+
+void StreamDeformReactor::FinishWhenOver() {
+  if (writing_ || work_ != Work::kNone) return;
+  if (cancelled_) {
+    end_status_ = Fail(FaultKind::kCancelled, "The caller has cancelled.");
+  } else if (end_) {
+    end_status_ = Fail(*end_);
+  } else if (!reads_done_ || held_ || next_) {
+    return;
+  } else if (!opened_) {
+    end_status_ = Fail(FaultKind::kProtocol, "The stream ended before it was opened.");
+  }
+  finished_ = true;
+  Finish(end_status_ ? grpc::Status::OK : ToGrpcStatus(end_status_.error()));
+}
+
+grpc::ServerBidiReactor<v1::StreamDeformRequest, v1::StreamDeformResponse>* StreamDeform(
+    app::Engine& engine, grpc::CallbackServerContext* context) {
+  const auto reactor = std::make_shared<StreamDeformReactor>(engine, context);
+  reactor->Start();
+  return reactor.get();
+}
+
+}  // namespace arap::rpc

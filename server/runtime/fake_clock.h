@@ -1,0 +1,25 @@
+// FakeClock: a clock that stands still until a test moves it.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+
+#include "server/runtime/clock.h"
+
+namespace arap::runtime {
+
+// Thread-safe. Both clocks start at an arbitrary fixed time and advance together.
+class FakeClock final : public Clock {
+ public:
+  Wall WallNow() const override { return Wall(std::chrono::seconds(1'700'000'000)) + passed(); }
+  Steady SteadyNow() const override { return Steady(std::chrono::seconds(1'000)) + passed(); }
+
+  void Advance(std::chrono::milliseconds step) { passed_ms_ += step.count(); }
+
+ private:
+  std::chrono::milliseconds passed() const { return std::chrono::milliseconds(passed_ms_.load()); }
+
+  std::atomic<std::chrono::milliseconds::rep> passed_ms_{0};
+};
+
+}  // namespace arap::runtime
