@@ -6,91 +6,12 @@
 #include <fmt/format.h>
 
 #include "core/deform/compiled_parts.h"
+#include "core/deform/direct_solver.h"
+#include "core/deform/null_space_solver.h"
 #include "core/deform/roles.h"
 
 namespace arap {
 namespace {
-
-// Columns solved together: enough for BLAS-3, few enough to stay in cache and to be cancelled
-// between.
-constexpr std::size_t kBlock = 32;
-
-template <class Scalar, class Store>
-Status SolveColumns(const Factor<Scalar>& factor, const std::vector<Row>& rows,
-                    const std::vector<std::uint32_t>& grounded, const CancelToken& cancel,
-                    Store store) {
-  const std::size_t n = factor.size();
-  Workspace workspace;
-  std::vector<Scalar> right;
-  for (std::size_t begin = 0; begin < rows.size(); begin += kBlock) {
-    if (auto ok = cancel.Check(); !ok) return ok;
-    const std::size_t count = std::min(kBlock, rows.size() - begin);
-    right.assign(n * count, Scalar(0));
-    for (std::size_t j = 0; j < count; ++j) {
-      const Row& row = rows[begin + j];
-      for (std::size_t k = 0; k < 3; ++k) right[j * n + row.vertex[k]] += row.weight[k];
-      for (const std::uint32_t v : grounded) right[j * n + v] = Scalar(0);
-    }
-    const std::span<const Scalar> z = factor.Solve(right, count, workspace);
-    if (z.empty()) return Fail(FaultKind::kNumerical, "a back-substitution ran out of memory");
-    for (std::size_t j = 0; j < count; ++j) store(begin + j, z.subspan(j * n, n));
-  }
-  return {};
-}
-
-// Z of `added`, written into the columns from `first_column` on.
-Status FillColumns(CompiledHandlesParts& parts, const std::vector<Row>& added,
-                   std::size_t first_column, const CancelToken& cancel) {
-  const RegisteredMeshParts& mesh = parts.mesh->parts();
-  std::vector<std::uint32_t> grounded;
-  for (const MeshComponent& c : mesh.components) grounded.push_back(c.ground0);
-  auto ok = SolveColumns<double>(
-      *mesh.rigid, added, grounded, cancel, [&](std::size_t j, std::span<const double> z) {
-        std::copy(z.begin(), z.end(),
-                  parts.z2.col(static_cast<Eigen::Index>(first_column + j)).data());
-      });
-  if (!ok) return ok;
-  for (const MeshComponent& c : mesh.components) grounded.push_back(c.ground1);
-  return SolveColumns<Complex>(
-      *mesh.similarity, added, grounded, cancel, [&](std::size_t j, std::span<const Complex> z) {
-        const auto column = static_cast<Eigen::Index>(first_column + j);
-        for (std::size_t v = 0; v < z.size(); ++v) {
-          parts.z1_real(static_cast<Eigen::Index>(v), column) = z[v].real();
-          parts.z1_imag(static_cast<Eigen::Index>(v), column) = z[v].imag();
-        }
-      });
-}
-
-void BuildSaddles(CompiledHandlesParts& parts) {
-  const RegisteredMeshParts& mesh = parts.mesh->parts();
-  const auto k = static_cast<Eigen::Index>(parts.active_rows.size());
-  const auto m = static_cast<Eigen::Index>(parts.active_components);
-  Eigen::MatrixXcd cz1(k, k), cn1 = Eigen::MatrixXcd::Zero(k, 2 * m);
-  Eigen::MatrixXd cz2(k, k), cn2 = Eigen::MatrixXd::Zero(k, m);
-  for (Eigen::Index i = 0; i < k; ++i) {
-    const Row& row = parts.rows[parts.active_rows[static_cast<std::size_t>(i)]];
-    for (Eigen::Index j = 0; j < k; ++j) {
-      const auto column = static_cast<Eigen::Index>(parts.active_rows[static_cast<std::size_t>(j)]);
-      Complex z1 = 0;
-      double z2 = 0;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const auto v = static_cast<Eigen::Index>(row.vertex[c]);
-        z1 += row.weight[c] * Complex(parts.z1_real(v, column), parts.z1_imag(v, column));
-        z2 += row.weight[c] * parts.z2(v, column);
-      }
-      cz1(i, j) = z1;
-      cz2(i, j) = z2;
-    }
-    cz1(i, i) += row.compliance;
-    cz2(i, i) += row.compliance;
-    const auto slot = static_cast<Eigen::Index>(parts.active_slot[row.component]);
-    cn1(i, 2 * slot) = 1;
-    cn1(i, 2 * slot + 1) = row.rest - mesh.components[row.component].center;
-    cn2(i, slot) = 1;
-  }
-  parts.saddle1 = Saddle<Complex>(cz1, cn1);
-  parts.saddle2 = Saddle<double>(cz2, cn2);
-}
 
 Status CheckIds(const std::vector<PlacedHandle>& kept, const std::vector<Handle>& added) {
   std::unordered_set<std::string_view> ids;
@@ -120,16 +41,25 @@ Status Extend(CompiledHandlesParts& parts, std::vector<Handle> add, const Cancel
     }
     parts.handles.push_back(std::move(placement->placed));
   }
-  const std::size_t first_column = parts.rows.size();
-  const auto columns = static_cast<Eigen::Index>(first_column + added.size());
-  const auto n = static_cast<Eigen::Index>(mesh.rest.size());
-  parts.z1_real.conservativeResize(n, columns);
-  parts.z1_imag.conservativeResize(n, columns);
-  parts.z2.conservativeResize(n, columns);
-  if (auto ok = FillColumns(parts, added, first_column, cancel); !ok) return ok;
   parts.rows.insert(parts.rows.end(), added.begin(), added.end());
   DecideRoles(parts);
-  BuildSaddles(parts);
+  const bool direct = parts.choice == HandleSolver::kDirect ||
+                      (parts.choice == HandleSolver::kAuto && parts.rows.size() > kDirectRows);
+  if (direct && !parts.active_rows.empty()) {
+    parts.responses.reset();
+    auto solver = DirectSolver::Make(parts, cancel);
+    if (!solver) return Fail(std::move(solver.error()));
+    parts.solver = std::move(*solver);
+    return {};
+  }
+  // Responses that the set came with are those of its first rows.
+  auto responses = parts.responses ? std::make_shared<Responses>(*parts.responses)
+                                   : std::make_shared<Responses>();
+  const auto known = static_cast<std::ptrdiff_t>(responses->rows());
+  const std::vector<Row> missing(parts.rows.begin() + known, parts.rows.end());
+  if (auto ok = responses->Append(mesh, missing, cancel); !ok) return ok;
+  parts.responses = std::move(responses);
+  parts.solver = std::make_shared<NullSpaceSolver>(parts);
   return {};
 }
 
@@ -138,6 +68,7 @@ std::unique_ptr<CompiledHandlesParts> Without(const CompiledHandlesParts& from,
                                               const std::vector<bool>& removed) {
   auto parts = std::make_unique<CompiledHandlesParts>();
   parts->mesh = from.mesh;
+  parts->choice = from.choice;
   std::vector<std::uint32_t> renumbered(from.handles.size(), 0);
   for (std::size_t h = 0; h < from.handles.size(); ++h) {
     renumbered[h] = static_cast<std::uint32_t>(parts->handles.size());
@@ -151,9 +82,8 @@ std::unique_ptr<CompiledHandlesParts> Without(const CompiledHandlesParts& from,
     parts->rows.push_back(row);
     columns.push_back(static_cast<Eigen::Index>(r));
   }
-  parts->z1_real = from.z1_real(Eigen::all, columns);
-  parts->z1_imag = from.z1_imag(Eigen::all, columns);
-  parts->z2 = from.z2(Eigen::all, columns);
+  if (from.responses)
+    parts->responses = std::make_shared<Responses>(from.responses->Select(columns));
   return parts;
 }
 
@@ -165,9 +95,10 @@ CompiledHandles::~CompiledHandles() = default;
 
 Result<std::shared_ptr<const CompiledHandles>> CompiledHandles::Compile(
     std::shared_ptr<const RegisteredMesh> mesh, std::vector<Handle> handles,
-    const CancelToken& cancel) {
+    const CancelToken& cancel, HandleSolver solver) {
   auto parts = std::make_unique<CompiledHandlesParts>();
   parts->mesh = std::move(mesh);
+  parts->choice = solver;
   if (auto ok = Extend(*parts, std::move(handles), cancel); !ok) return Fail(std::move(ok.error()));
   return std::shared_ptr<const CompiledHandles>(new CompiledHandles(std::move(parts)));
 }
@@ -209,10 +140,10 @@ std::vector<Target> CompiledHandles::RestTargets() const {
   return targets;
 }
 
+bool CompiledHandles::direct() const { return parts_->responses == nullptr; }
+
 std::size_t CompiledHandles::bytes() const {
-  const auto k = static_cast<std::size_t>(parts_->saddle1.size());
-  return static_cast<std::size_t>(parts_->z2.size()) * 3 * sizeof(double) +
-         k * k * 2 * (sizeof(Complex) + sizeof(double)) + parts_->rows.size() * sizeof(Row);
+  return parts_->solver->bytes() + parts_->rows.size() * sizeof(Row);
 }
 
 std::size_t CompiledHandles::resting_components() const {

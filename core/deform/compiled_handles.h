@@ -19,7 +19,18 @@
 
 namespace arap {
 
-class CompiledHandlesParts;
+struct CompiledHandlesParts;
+
+// How the rows are solved. Both give the same shapes; kAuto takes whichever is cheaper.
+enum class HandleSolver {
+  kAuto,
+  kNullSpace,  // one back-substitution per row; an edit costs the added rows only
+  kDirect,     // mesh and handles factored together; an edit factors again
+};
+
+// Above this many constraint rows kAuto factors directly: there both the compilation and the frame
+// are cheaper that way (docs/algorithm.md has the measurement).
+inline constexpr std::size_t kDirectRows = 64;
 
 // Immutable, safe to share between threads.
 class CompiledHandles {
@@ -29,7 +40,7 @@ class CompiledHandles {
   // indices.
   static Result<std::shared_ptr<const CompiledHandles>> Compile(
       std::shared_ptr<const RegisteredMesh> mesh, std::vector<Handle> handles,
-      const CancelToken& cancel = {});
+      const CancelToken& cancel = {}, HandleSolver solver = HandleSolver::kAuto);
 
   // A new set with `remove` taken out and `add` appended, in that order. Costs the
   // back-substitutions of the added rows only. Faults: kUnknownHandle and those of Compile; this
@@ -47,6 +58,7 @@ class CompiledHandles {
   std::optional<std::size_t> Find(std::string_view id) const;
   std::vector<Target> RestTargets() const;  // one per handle
   std::size_t rows() const;                 // constraint rows
+  bool direct() const;                      // whether it factored directly
   std::size_t bytes() const;
   std::size_t resting_components() const;      // without handles: they stay at rest
   std::size_t translating_components() const;  // with one distinct handle

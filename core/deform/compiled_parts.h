@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "core/deform/compiled_handles.h"
+#include "core/deform/constraint_solver.h"
 #include "core/deform/place.h"
-#include "core/deform/saddle.h"
+#include "core/deform/responses.h"
 
 namespace arap {
 
@@ -25,25 +26,22 @@ struct DependentRow {
   std::vector<std::pair<std::size_t, double>> combination;
 };
 
-class CompiledHandlesParts {
- public:
-  using Columns = Eigen::MatrixXd;
-
+struct CompiledHandlesParts {
   std::shared_ptr<const RegisteredMesh> mesh;
+  HandleSolver choice = HandleSolver::kAuto;
   std::vector<PlacedHandle> handles;
   std::vector<Row> rows;  // by handle
 
-  // Z of every row, #V×#rows, also of rows that are not active: an edit may wake them.
-  Columns z1_real, z1_imag;  // step 1
-  Columns z2;                // step 2
+  // Of every row, also of rows that are not active, because an edit may wake them. Empty when
+  // direct.
+  std::shared_ptr<const Responses> responses;
 
   std::vector<ComponentRole> roles;        // per component
-  std::vector<std::uint32_t> active_slot;  // per component: its place in the null space, or kNone
+  std::vector<std::uint32_t> active_slot;  // per component: its number among the active, or kNone
   std::size_t active_components = 0;
-  std::vector<std::size_t> active_rows;  // the rows of the dense systems
+  std::vector<std::size_t> active_rows;  // the rows that the solver has, in its order
   std::vector<DependentRow> dependent;
-  Saddle<Complex> saddle1;  // null space per component: 1 and p − centre
-  Saddle<double> saddle2;   // null space per component: 1
+  std::shared_ptr<const ConstraintSolver> solver;
 };
 
 }  // namespace arap

@@ -24,6 +24,12 @@ Complex OffsetAt(const Target& target, Complex offset) {
 
 }  // namespace
 
+// p ↦ place + turn·(p − from)
+struct Similarity {
+  Complex from, place;
+  Complex turn = 1;
+};
+
 // All that a frame needs. Coordinates are normalised and relative to the mean target, which both
 // steps commute with; that keeps far targets exact.
 class Deformer::Scratch {
@@ -35,13 +41,14 @@ class Deformer::Scratch {
     positions.assign(mesh.mesh.vertices.begin(), mesh.mesh.vertices.end());
     next.resize(n);
     shape.resize(2 * n);
-    right.resize(2 * n);
     targets.resize(set.rows.size());
+    miss.resize(set.active_rows.size());
     mean.assign(components, 1);
     shift.assign(components, 0);
-    step1.Resize(set.saddle1.size());
-    step2x.Resize(set.saddle2.size());
-    step2y.Resize(set.saddle2.size());
+    base.assign(components, {});
+    counts.assign(components, 0);
+    sizes.assign(components, 0);
+    set.solver->Prepare(solver);
   }
 
   Result<ShapeQuality> Update(std::span<const Target> given, const DeformOptions& options);
@@ -51,20 +58,14 @@ class Deformer::Scratch {
   double* x() { return shape.data(); }
   double* y() { return shape.data() + n(); }
   ConstShapeView View() const { return {shape.data(), shape.data() + n()}; }
-  Complex At(const Row& row) const {
-    Complex p = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      p += row.weight[k] * Complex(shape[row.vertex[k]], shape[n() + row.vertex[k]]);
-    }
-    return p;
-  }
 
   Status Check(std::span<const Target> given, const DeformOptions& options) const;
   void PlaceTargets(std::span<const Target> given);
   Status CheckDependent() const;
   void PlaceTranslating();
-  void AddColumns(const double* z, Complex lambda);
-  void SimilarityStep();
+  void FitBase();
+  void StartFromBase(bool rigid);
+  Status SimilarityStep();
   Status RigidStep(bool turn_cells);
   bool Finish();
   ShapeQuality Measure(std::span<const Target> given) const;
@@ -76,16 +77,16 @@ class Deformer::Scratch {
  private:
   const CompiledHandlesParts& set;
   const RegisteredMeshParts& mesh;
-  std::vector<Complex> next;     // #V, of this frame until it is known to be finite
-  std::vector<double> shape;     // #V×2, x then y, of this frame
-  std::vector<double> right;     // #V×2, right-hand sides of the rigid step
-  std::vector<Complex> targets;  // per row
-  std::vector<Complex> mean;     // per component: t̄, the rotation of the component as a whole
-  std::vector<Complex> shift;    // per component: how far a translating one moves
-  Complex middle;                // mean target
-  Saddle<Complex>::Scratch step1;
-  Saddle<double>::Scratch step2x, step2y;
-  Workspace workspace;
+  std::vector<Complex> next;          // #V, of this frame until it is known to be finite
+  std::vector<double> shape;          // #V×2, x then y, of this frame
+  std::vector<Complex> targets;       // per row
+  std::vector<Complex> miss;          // per active row: target minus place
+  std::vector<Similarity> base;       // per component: the similarity that fits its targets best
+  std::vector<double> counts, sizes;  // per component, of FitBase
+  std::vector<Complex> mean;          // per component: t̄, the rotation of `base`
+  std::vector<Complex> shift;         // per component: how far a translating one moves
+  Complex middle;                     // mean target
+  SolverScratch solver;
 };
 
 Status Deformer::Scratch::Check(std::span<const Target> given, const DeformOptions& options) const {
@@ -148,8 +149,8 @@ Status Deformer::Scratch::CheckDependent() const {
       expected += coefficient * targets[row];
       size += std::abs(coefficient * targets[row]);
     }
-    const double miss = std::abs(expected - targets[dependent.row]);
-    if (miss <= kCoincident * size) continue;
+    const double gap = std::abs(expected - targets[dependent.row]);
+    if (gap <= kCoincident * size) continue;
     const std::uint32_t h = set.rows[dependent.row].handle;
     Fault fault{FaultKind::kConflictingHandles, "", {h}, {}, "targets"};
     std::string others;
@@ -162,8 +163,8 @@ Status Deformer::Scratch::CheckDependent() const {
         "hard handle \"{}\" cannot meet its target: {} decide its place, which is {} away; make "
         "one "
         "of them soft",
-        set.handles[h].handle.id, others, miss * mesh.report.diagonal);
-    fault.Detail("distance", fmt::to_string(miss * mesh.report.diagonal));
+        set.handles[h].handle.id, others, gap * mesh.report.diagonal);
+    fault.Detail("distance", fmt::to_string(gap * mesh.report.diagonal));
     return Fail(std::move(fault));
   }
   return {};
@@ -191,90 +192,75 @@ void Deformer::Scratch::PlaceTranslating() {
   }
 }
 
-void Deformer::Scratch::AddColumns(const double* z, Complex lambda) {
-  double* px = x();
-  double* py = y();
-  for (std::size_t v = 0; v < n(); ++v) px[v] += z[v] * lambda.real();
-  for (std::size_t v = 0; v < n(); ++v) py[v] += z[v] * lambda.imag();
+// The similarity of each component that fits its targets best. It is in the null space of step 1,
+// and its rotation in that of the turned edges of step 2; solving for the difference keeps rigid
+// motions exact.
+void Deformer::Scratch::FitBase() {
+  for (Similarity& s : base) s = {0, 0, 0};
+  for (std::size_t c = 0; c < base.size(); ++c) counts[c] = sizes[c] = 0;
+  for (const std::size_t r : set.active_rows) {
+    const std::uint32_t c = set.rows[r].component;
+    base[c].from += set.rows[r].rest;
+    base[c].place += targets[r];
+    counts[c] += 1;
+  }
+  for (std::size_t c = 0; c < base.size(); ++c) {
+    if (counts[c] == 0) continue;
+    base[c].from /= counts[c];
+    base[c].place /= counts[c];
+  }
+  for (const std::size_t r : set.active_rows) {
+    const std::uint32_t c = set.rows[r].component;
+    const Complex arm = set.rows[r].rest - base[c].from;
+    base[c].turn += std::conj(arm) * (targets[r] - base[c].place);
+    sizes[c] += std::norm(arm);
+  }
+  for (std::size_t c = 0; c < base.size(); ++c) {
+    if (counts[c] > 0) base[c].turn /= sizes[c];
+    const double size = std::abs(base[c].turn);
+    mean[c] = size > kNoDirection ? base[c].turn / size : 1;
+  }
 }
 
-// Step 1: its whole answer is a fixed combination of the targets.
-void Deformer::Scratch::SimilarityStep() {
-  const auto k = static_cast<Eigen::Index>(set.active_rows.size());
-  for (Eigen::Index i = 0; i < k; ++i) {
-    step1.right[i] = targets[set.active_rows[static_cast<std::size_t>(i)]];
-  }
-  set.saddle1.Solve(step1);
-  const auto& s1 = step1.solution;
-
-  for (std::size_t c = 0; c < mean.size(); ++c) {
-    mean[c] = 1;
-    if (set.active_slot[c] == kNone) continue;
-    const Complex turn = s1[k + 2 * static_cast<Eigen::Index>(set.active_slot[c]) + 1];
-    if (std::abs(turn) > kNoDirection) mean[c] = turn / std::abs(turn);
-  }
+// shape := the base, or its rigid part; miss := what the rows lack.
+void Deformer::Scratch::StartFromBase(bool rigid) {
   for (std::size_t v = 0; v < n(); ++v) {
     const std::uint32_t c = mesh.topology.vertex_component[v];
     Complex p = mesh.rest[v];
     if (c != kNone && set.active_slot[c] != kNone) {
-      const auto slot = k + 2 * static_cast<Eigen::Index>(set.active_slot[c]);
-      p = s1[slot] + s1[slot + 1] * (p - mesh.components[c].center);
+      p = base[c].place + (rigid ? mean[c] : base[c].turn) * (p - base[c].from);
     }
     x()[v] = p.real();
     y()[v] = p.imag();
   }
-  for (Eigen::Index i = 0; i < k; ++i) {
-    const auto column = static_cast<Eigen::Index>(set.active_rows[static_cast<std::size_t>(i)]);
-    const Complex lambda = s1[i];
-    AddColumns(set.z1_real.col(column).data(), lambda);
-    AddColumns(set.z1_imag.col(column).data(), Complex(0, 1) * lambda);
+  for (std::size_t i = 0; i < miss.size(); ++i) {
+    const std::size_t r = set.active_rows[i];
+    miss[i] = targets[r] - PointOf(set.rows[r], View());
   }
 }
 
-// Step 2, from the rotations of `shape`: x = t̄ (p − centre) + G f + Z λ + α. Without turning the
-// cells it is the baseline of eq. 1, where f vanishes.
+// Step 1: as similar as possible.
+Status Deformer::Scratch::SimilarityStep() {
+  StartFromBase(false);
+  if (!set.solver->AddSimilarity(miss, {x(), y()}, solver)) {
+    return Fail(FaultKind::kNumerical, "a back-substitution ran out of memory");
+  }
+  return {};
+}
+
+// Step 2, with the rotations of `shape`. Without turning the cells it is the baseline of eq. 1,
+// where every rotation is 1 and the force vanishes.
 Status Deformer::Scratch::RigidStep(bool turn_cells) {
-  const double *gx = nullptr, *gy = nullptr;
   if (turn_cells) {
-    std::fill(right.begin(), right.end(), 0.0);
+    std::fill(solver.force.begin(), solver.force.end(), 0.0);
     AddRotatedEdges(mesh.cells, View(), mean, mesh.topology.vertex_component,
-                    {right.data(), right.data() + n()});
-    for (const MeshComponent& c : mesh.components) right[c.ground0] = right[n() + c.ground0] = 0;
-    const std::span<const double> g = mesh.rigid->Solve(right, 2, workspace);
-    if (g.empty()) return Fail(FaultKind::kNumerical, "a back-substitution ran out of memory");
-    gx = g.data();
-    gy = g.data() + n();
+                    {solver.force.data(), solver.force.data() + n()});
   } else {
     std::fill(mean.begin(), mean.end(), Complex(1));
   }
-  for (std::size_t v = 0; v < n(); ++v) {
-    const std::uint32_t c = mesh.topology.vertex_component[v];
-    Complex p = mesh.rest[v];
-    if (c != kNone && set.active_slot[c] != kNone) p = mean[c] * (p - mesh.components[c].center);
-    x()[v] = p.real() + (gx ? gx[v] : 0);
-    y()[v] = p.imag() + (gy ? gy[v] : 0);
-  }
-
-  const auto k = static_cast<Eigen::Index>(set.active_rows.size());
-  for (Eigen::Index i = 0; i < k; ++i) {
-    const std::size_t r = set.active_rows[static_cast<std::size_t>(i)];
-    const Complex miss = targets[r] - At(set.rows[r]);
-    step2x.right[i] = miss.real();
-    step2y.right[i] = miss.imag();
-  }
-  set.saddle2.Solve(step2x);
-  set.saddle2.Solve(step2y);
-  const auto &s2x = step2x.solution, &s2y = step2y.solution;
-  for (Eigen::Index i = 0; i < k; ++i) {
-    const auto column = static_cast<Eigen::Index>(set.active_rows[static_cast<std::size_t>(i)]);
-    AddColumns(set.z2.col(column).data(), {s2x[i], s2y[i]});
-  }
-  for (std::size_t v = 0; v < n(); ++v) {
-    const std::uint32_t c = mesh.topology.vertex_component[v];
-    if (c == kNone || set.active_slot[c] == kNone) continue;
-    const auto slot = k + static_cast<Eigen::Index>(set.active_slot[c]);
-    x()[v] += s2x[slot];
-    y()[v] += s2y[slot];
+  StartFromBase(true);
+  if (!set.solver->AddRigid(turn_cells, miss, {x(), y()}, solver)) {
+    return Fail(FaultKind::kNumerical, "a back-substitution ran out of memory");
   }
   return {};
 }
@@ -323,7 +309,8 @@ Result<ShapeQuality> Deformer::Scratch::Update(std::span<const Target> given,
   PlaceTargets(given);
   if (auto ok = CheckDependent(); !ok) return Fail(std::move(ok.error()));
   PlaceTranslating();
-  SimilarityStep();
+  FitBase();
+  if (auto ok = SimilarityStep(); !ok) return Fail(std::move(ok.error()));
   if (options.mode != DeformMode::kSimilarity) {
     const bool rigid = options.mode == DeformMode::kRigid;
     for (int i = 0; i <= (rigid ? options.refine : 0); ++i) {
