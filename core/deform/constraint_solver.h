@@ -1,0 +1,57 @@
+// ConstraintSolver: how a set of constraint rows bends a shape, behind one door.
+//
+// Two ways lead to the same minimiser [algorithm §4]: the null-space form on the mesh's own factors
+// (null_space_solver.h), cheap to compile and to edit, and a direct factorisation of mesh and
+// handles together (direct_solver.h), cheaper per frame and per handle when there are many.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/deform/place.h"
+#include "core/deform/saddle.h"
+#include "core/energy/local_step.h"
+#include "core/sparse/factor.h"
+
+namespace arap {
+
+// Scratch of one stream. Solvers size what they use in Prepare and allocate nothing afterwards.
+struct SolverScratch {
+  std::vector<double> force;           // #V×2, the right-hand side f of step 2: x, then y
+  std::vector<Complex> complex_right;  // #V, direct solver only
+  Saddle<Complex>::Scratch similarity;
+  Saddle<double>::Scratch rigid_x, rigid_y;
+  Workspace workspace;
+};
+
+// Immutable, shared by threads.
+class ConstraintSolver {
+ public:
+  virtual ~ConstraintSolver() = default;
+
+  virtual void Prepare(SolverScratch& scratch) const = 0;
+
+  // Adds to `shape` what the rows ask of step 1 beyond what it has: `miss` is, per active row,
+  // target minus the place that `shape` gives it. False when a back-substitution fails.
+  virtual bool AddSimilarity(std::span<const Complex> miss, ShapeView shape,
+                             SolverScratch& scratch) const = 0;
+
+  // The same for step 2 under scratch.force (overwritten), which must vanish where `turned` is
+  // false.
+  virtual bool AddRigid(bool turned, std::span<const Complex> miss, ShapeView shape,
+                        SolverScratch& scratch) const = 0;
+
+  virtual std::size_t bytes() const = 0;
+};
+
+// Where `shape` has the row's point.
+inline Complex PointOf(const Row& row, ConstShapeView shape) {
+  Complex p = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    p += row.weight[k] * Complex(shape.x[row.vertex[k]], shape.y[row.vertex[k]]);
+  }
+  return p;
+}
+
+}  // namespace arap

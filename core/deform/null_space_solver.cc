@@ -1,0 +1,130 @@
+#include "core/deform/null_space_solver.h"
+
+#include "core/deform/compiled_parts.h"
+
+namespace arap {
+namespace {
+
+void AddColumn(const double* z, Complex lambda, std::size_t n, ShapeView shape) {
+  for (std::size_t v = 0; v < n; ++v) shape.x[v] += z[v] * lambda.real();
+  for (std::size_t v = 0; v < n; ++v) shape.y[v] += z[v] * lambda.imag();
+}
+
+}  // namespace
+
+NullSpaceSolver::NullSpaceSolver(const CompiledHandlesParts& parts)
+    : mesh_(&parts.mesh->parts()), responses_(parts.responses), slot_(parts.active_slot) {
+  for (const std::size_t r : parts.active_rows) {
+    rows_.push_back(parts.rows[r]);
+    columns_.push_back(static_cast<Eigen::Index>(r));
+  }
+  const auto k = static_cast<Eigen::Index>(rows_.size());
+  const auto m = static_cast<Eigen::Index>(parts.active_components);
+  Eigen::MatrixXcd cz1(k, k), cn1 = Eigen::MatrixXcd::Zero(k, 2 * m);
+  Eigen::MatrixXd cz2(k, k), cn2 = Eigen::MatrixXd::Zero(k, m);
+  for (Eigen::Index i = 0; i < k; ++i) {
+    const Row& row = rows_[static_cast<std::size_t>(i)];
+    for (Eigen::Index j = 0; j < k; ++j) {
+      const Eigen::Index column = columns_[static_cast<std::size_t>(j)];
+      Complex z1 = 0;
+      double z2 = 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto v = static_cast<Eigen::Index>(row.vertex[c]);
+        z1 += row.weight[c] * Complex(responses_->similarity_real()(v, column),
+                                      responses_->similarity_imag()(v, column));
+        z2 += row.weight[c] * responses_->rigid()(v, column);
+      }
+      cz1(i, j) = z1;
+      cz2(i, j) = z2;
+    }
+    cz1(i, i) += row.compliance;
+    cz2(i, i) += row.compliance;
+    const auto slot = static_cast<Eigen::Index>(slot_[row.component]);
+    cn1(i, 2 * slot) = 1;
+    cn1(i, 2 * slot + 1) = row.rest - mesh_->components[row.component].center;
+    cn2(i, slot) = 1;
+  }
+  similarity_ = Saddle<Complex>(cz1, cn1);
+  rigid_ = Saddle<double>(cz2, cn2);
+}
+
+void NullSpaceSolver::Prepare(SolverScratch& scratch) const {
+  scratch.force.assign(2 * mesh_->rest.size(), 0);
+  scratch.similarity.Resize(similarity_.size());
+  scratch.rigid_x.Resize(rigid_.size());
+  scratch.rigid_y.Resize(rigid_.size());
+}
+
+bool NullSpaceSolver::AddSimilarity(std::span<const Complex> miss, ShapeView shape,
+                                    SolverScratch& scratch) const {
+  const auto k = static_cast<Eigen::Index>(rows_.size());
+  for (Eigen::Index i = 0; i < k; ++i) {
+    scratch.similarity.right[i] = miss[static_cast<std::size_t>(i)];
+  }
+  similarity_.Solve(scratch.similarity);
+  const auto& solution = scratch.similarity.solution;
+  const std::size_t n = mesh_->rest.size();
+  for (std::size_t v = 0; v < n; ++v) {
+    const std::uint32_t c = mesh_->topology.vertex_component[v];
+    if (c == kNone || slot_[c] == kNone) continue;
+    const auto at = k + 2 * static_cast<Eigen::Index>(slot_[c]);
+    const Complex p =
+        solution[at] + solution[at + 1] * (mesh_->rest[v] - mesh_->components[c].center);
+    shape.x[v] += p.real();
+    shape.y[v] += p.imag();
+  }
+  for (Eigen::Index i = 0; i < k; ++i) {
+    const Eigen::Index column = columns_[static_cast<std::size_t>(i)];
+    const Complex lambda = solution[i];
+    AddColumn(responses_->similarity_real().col(column).data(), lambda, n, shape);
+    AddColumn(responses_->similarity_imag().col(column).data(), Complex(0, 1) * lambda, n, shape);
+  }
+  return true;
+}
+
+bool NullSpaceSolver::AddRigid(bool turned, std::span<const Complex> miss, ShapeView shape,
+                               SolverScratch& scratch) const {
+  const std::size_t n = mesh_->rest.size();
+  const auto k = static_cast<Eigen::Index>(rows_.size());
+  for (Eigen::Index i = 0; i < k; ++i) {
+    scratch.rigid_x.right[i] = miss[static_cast<std::size_t>(i)].real();
+    scratch.rigid_y.right[i] = miss[static_cast<std::size_t>(i)].imag();
+  }
+  if (turned) {
+    for (const MeshComponent& c : mesh_->components) {
+      scratch.force[c.ground0] = scratch.force[n + c.ground0] = 0;
+    }
+    const std::span<const double> g = mesh_->rigid->Solve(scratch.force, 2, scratch.workspace);
+    if (g.empty()) return false;
+    for (std::size_t v = 0; v < n; ++v) shape.x[v] += g[v];
+    for (std::size_t v = 0; v < n; ++v) shape.y[v] += g[n + v];
+    for (Eigen::Index i = 0; i < k; ++i) {
+      const Complex moved = PointOf(rows_[static_cast<std::size_t>(i)], {g.data(), g.data() + n});
+      scratch.rigid_x.right[i] -= moved.real();
+      scratch.rigid_y.right[i] -= moved.imag();
+    }
+  }
+  rigid_.Solve(scratch.rigid_x);
+  rigid_.Solve(scratch.rigid_y);
+  const auto &x = scratch.rigid_x.solution, &y = scratch.rigid_y.solution;
+  for (Eigen::Index i = 0; i < k; ++i) {
+    AddColumn(responses_->rigid().col(columns_[static_cast<std::size_t>(i)]).data(), {x[i], y[i]},
+              n, shape);
+  }
+  for (std::size_t v = 0; v < n; ++v) {
+    const std::uint32_t c = mesh_->topology.vertex_component[v];
+    if (c == kNone || slot_[c] == kNone) continue;
+    const auto at = k + static_cast<Eigen::Index>(slot_[c]);
+    shape.x[v] += x[at];
+    shape.y[v] += y[at];
+  }
+  return true;
+}
+
+std::size_t NullSpaceSolver::bytes() const {
+  const auto one = static_cast<std::size_t>(similarity_.size()),
+             two = static_cast<std::size_t>(rigid_.size());
+  return responses_->bytes() + 2 * (one * one * sizeof(Complex) + two * two * sizeof(double));
+}
+
+}  // namespace arap
