@@ -12,6 +12,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "core/deform/deformer.h"
 #include "server/app/version.h"
 #include "server/host/host.h"
 
@@ -33,8 +34,11 @@ std::chrono::milliseconds Milliseconds(double seconds) {
 
 void AddLimits(CLI::App& app, Flags& flags) {
   arap::app::Limits& limits = flags.host.limits;
-  const auto add = [&](const char* name, auto& value, const char* help) {
-    app.add_option(name, value, help)->capture_default_str()->group("Limits");
+  const auto add = [&](const char* name, auto& value, const char* help, double largest = 1e9) {
+    app.add_option(name, value, help)
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, largest))
+        ->group("Limits");
   };
   add("--max-sessions", limits.max_sessions, "Sessions on this server");
   add("--max-meshes-per-session", limits.max_meshes_per_session, "Meshes of one session");
@@ -46,7 +50,7 @@ void AddLimits(CLI::App& app, Flags& flags) {
   add("--max-message-bytes", limits.max_message_bytes, "Bytes of one request message");
   add("--max-streams", limits.max_streams, "Open streams and running tracks");
   add("--max-track-frames", limits.max_track_frames, "Frames of one track");
-  add("--max-refine", limits.max_refine, "Refinement iterations of one update");
+  add("--max-refine", limits.max_refine, "Refinement iterations of one update", arap::kMaxRefine);
   app.add_option("--default-ttl-seconds", flags.default_ttl_seconds,
                  "How long a session lives without use, unless it says so itself")
       ->capture_default_str()

@@ -19,7 +19,10 @@ std::string Printable(const std::string& id) {
 RpcLog::RpcLog(const char* method, const std::string& session_id, bool noisy)
     : method_(method), session_id_(Printable(session_id)), noisy_(noisy) {}
 
-void RpcLog::set_session(const std::string& session_id) { session_id_ = Printable(session_id); }
+void RpcLog::Opened(const std::string& session_id) {
+  session_id_ = Printable(session_id);
+  spdlog::info("rpc={} session={} event=open", method_, session_id_);
+}
 
 void RpcLog::End(const Status& status, const std::string& extra) const {
   const char* code = status ? "OK" : CodeName(status.error().kind);

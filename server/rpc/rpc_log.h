@@ -16,8 +16,8 @@ class RpcLog {
   // rpc=Deform session=abc code=OK ms=0.91, with reason= and extra (" key=value…") appended.
   void End(const Status& status, const std::string& extra = {}) const;
 
-  // For streams, whose session is known only later.
-  void set_session(const std::string& session_id);
+  // For streams, whose session is known only later: rpc=StreamDeform session=abc event=open.
+  void Opened(const std::string& session_id);
 
  private:
   const char* method_;

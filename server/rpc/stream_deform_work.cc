@@ -63,7 +63,7 @@ bool StreamDeformReactor::Post(runtime::WorkerPool& lane, void (StreamDeformReac
 void StreamDeformReactor::TakeOpen() {
   opened_ = true;
   job_open_ = std::move(*incoming_.mutable_open());
-  log_.set_session(job_open_.session_id());
+  log_.Opened(job_open_.session_id());
   work_ = Work::kOpen;
   if (Post(engine_.interactive, &StreamDeformReactor::RunOpen)) return;
   work_ = Work::kNone;

@@ -1,0 +1,72 @@
+// Every fault has its place on the wire.
+#include "server/rpc/status_map.h"
+
+#include <set>
+
+#include <arap/v1/errors.pb.h>
+
+#include "tests/wire/wire_fixture.h"
+
+namespace arap::rpc {
+namespace {
+
+constexpr int kKinds = static_cast<int>(FaultKind::kInternal) + 1;
+
+TEST(StatusMapTest, EveryKindHasItsOwnReasonOfTheInterface) {
+  const auto* reasons = v1::ErrorReason_descriptor();
+  std::set<std::string> used;
+  for (int i = 0; i < kKinds; ++i) {
+    const auto kind = static_cast<FaultKind>(i);
+    const std::string name = std::string("ERROR_REASON_") + ReasonOf(kind);
+    EXPECT_NE(reasons->FindValueByName(name), nullptr) << name;
+    EXPECT_TRUE(used.insert(name).second) << name;
+  }
+  // ERROR_REASON_UNSPECIFIED is the one that is never sent.
+  EXPECT_EQ(static_cast<int>(used.size()), reasons->value_count() - 1);
+}
+
+TEST(StatusMapTest, ReasonIsTheNameOfTheFault) {
+  for (int i = 0; i < kKinds; ++i) {
+    std::string name = FaultName(static_cast<FaultKind>(i));
+    for (char& c : name) c = c == '_' ? c : static_cast<char>(c - 'a' + 'A');
+    EXPECT_EQ(name, ReasonOf(static_cast<FaultKind>(i)));
+  }
+}
+
+TEST(StatusMapTest, DetailsTellEverything) {
+  Fault fault{FaultKind::kDegenerateTriangle, "Triangle 7 has no area.", {7, 9}, {}, "triangles"};
+  fault.Detail("limit", "1e-9");
+  const grpc::Status status = ToGrpcStatus(fault);
+  const wire::WireError error =
+      wire::ExpectError(status, grpc::INVALID_ARGUMENT, "DEGENERATE_TRIANGLE");
+  EXPECT_EQ(error.message, "Triangle 7 has no area.");
+  EXPECT_EQ(error.metadata.at("elements"), "7,9");
+  EXPECT_EQ(error.metadata.at("limit"), "1e-9");
+  EXPECT_EQ(error.fields, std::vector<std::string>{"triangles"});
+  EXPECT_EQ(ToRpcStatus(fault).SerializeAsString(), status.error_details());
+}
+
+TEST(StatusMapTest, OnlyWhatPassesIsToBeRetried) {
+  for (int i = 0; i < kKinds; ++i) {
+    const auto kind = static_cast<FaultKind>(i);
+    const wire::WireError error = wire::Decode(ToGrpcStatus({kind, "A sentence.", {}, {}, {}}));
+    const bool passes = kind == FaultKind::kLimitExceeded || kind == FaultKind::kOverloaded ||
+                        kind == FaultKind::kDraining;
+    EXPECT_EQ(error.retry_seconds > 0, passes) << FaultName(kind);
+    EXPECT_NE(error.code, grpc::OK);
+    EXPECT_NE(error.code, grpc::UNKNOWN);
+  }
+}
+
+TEST(StatusMapTest, LongTextsAreCutBetweenCharacters) {
+  std::string text;
+  while (text.size() < 100'000) text += "ä";
+  Fault fault{FaultKind::kUnknownHandle, "x" + text, {}, {}, text};
+  for (int i = 0; i < 100; ++i) fault.Detail("detail" + std::to_string(i), text);
+  const grpc::Status status = ToGrpcStatus(fault);
+  EXPECT_LT(status.error_message().size() + status.error_details().size(), 5'000u);
+  EXPECT_TRUE(status.error_message().ends_with("ä..."));
+}
+
+}  // namespace
+}  // namespace arap::rpc
