@@ -12,7 +12,7 @@ void AddServerFlags(CLI::App& command, ServerFlags& flags) {
 }
 
 Result<client::Client> ConnectReady(const std::string& address) {
-  constexpr std::chrono::seconds kTimeout{10};
+  constexpr std::chrono::seconds kTimeout{5};
   client::Client client = client::Client::Connect(address);
   if (const Status ready = client.WaitReady(kTimeout); !ready) {
     Fault fault = ready.error();

@@ -36,20 +36,21 @@ struct Joint {
   Point (*at)(Point rest, double t);  // t from 0 to 1
 };
 
-// The right hand goes up, waves three times and comes down; everything else goes along with it.
+// The right hand goes up, waves three times and comes down; the head leans away from it.
 Point RightHand(Point rest, double t) {
   const double raised = Ease(t, 0.04, 0.26) - Ease(t, 0.76, 0.97);
-  const double wave =
-      22 * std::sin(kTurn * 4 * (t - 0.26)) * Ease(t, 0.22, 0.32) * (1 - Ease(t, 0.7, 0.8));
-  return Turned(rest, {26, 106}, (78 * raised + wave) * kDegree);
+  const double waving = Ease(t, 0.22, 0.32) - Ease(t, 0.7, 0.8);
+  const double wave = std::sin(kTurn * 4 * (t - 0.26));
+  return Turned(rest, {26, 106}, (56 * raised + 17 * wave * waving) * kDegree);
 }
 Point LeftHand(Point rest, double t) {
   return Turned(rest, {-26, 106},
                 (14 * std::sin(kTurn * t) + 6 * std::sin(2 * kTurn * t)) * kDegree);
 }
 Point Head(Point rest, double t) {
-  const Point swayed = Turned(rest, {0, 112}, -11 * std::sin(kTurn * t) * kDegree);
-  return swayed + Point(0, 3 * (std::cos(2 * kTurn * t) - 1));
+  const double lean = 9 * Hop(t, 0, 1) + 3 * std::sin(2 * kTurn * t);
+  const double nod = std::cos(2 * kTurn * t) - 1;
+  return Turned(rest, {0, 112}, lean * kDegree) + Point(0, 1.5 * nod);
 }
 Point LeftFoot(Point rest, double t) {
   const double hop = Hop(t, 0.1, 0.45);

@@ -13,7 +13,7 @@ std::string SvgDocument(double width, double height, std::string_view body);
 std::string SvgText(double x, double y, double size, std::string_view text);
 
 inline constexpr std::string_view kBodyStyle =
-    R"(fill="#f2b56b" fill-rule="evenodd" stroke="#7a4a1d" stroke-width="4" stroke-linejoin="round")";
+    R"(fill="#f2b56b" stroke="#7a4a1d" stroke-width="4" stroke-linejoin="round")";
 inline constexpr std::string_view kMeshStyle =
     R"(fill="none" stroke="#9a6530" stroke-opacity="0.45" stroke-width="1" stroke-linejoin="round")";
 inline constexpr std::string_view kHandleStyle =

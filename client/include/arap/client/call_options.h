@@ -8,7 +8,7 @@ namespace arap::client {
 
 struct CallOptions {
   // How long the whole call may take; the server gives up too. Without it a call waits for ever.
-  std::optional<std::chrono::milliseconds> timeout;
+  std::optional<std::chrono::milliseconds> timeout = std::nullopt;
 };
 
 }  // namespace arap::client

@@ -27,13 +27,14 @@ struct PointAnchor {
 struct Handle {
   std::string id;  // unique in the set, 1 to 128 characters of [A-Za-z0-9._-]
   std::variant<VertexAnchor, TriangleAnchor, PointAnchor> anchor;
-  std::optional<double> weight;  // of the squared miss, 1e-6 to 1e12; the server's default is 1e6
-  bool hard = false;             // meet the target exactly; weight is ignored
-  bool oriented = false;         // hold orientation and scale too: the whole triangle follows
-  double area_radius = 0;        // hold every vertex within this rest distance; units of the mesh
-  bool snap = false;             // a PointAnchor outside moves to the boundary instead of failing
-  double depth = 0;              // for the drawing order: higher is nearer
-  double depth_falloff = 0;      // rest distance over which the depth fades; 0: it holds everywhere
+  // Of the squared miss, 1e-6 to 1e12. The server's default is 1e6.
+  std::optional<double> weight = std::nullopt;
+  bool hard = false;         // meet the target exactly; weight is ignored
+  bool oriented = false;     // hold orientation and scale too: the whole triangle follows
+  double area_radius = 0;    // hold every vertex within this rest distance; units of the mesh
+  bool snap = false;         // a PointAnchor outside moves to the boundary instead of failing
+  double depth = 0;          // for the drawing order: higher is nearer
+  double depth_falloff = 0;  // rest distance over which the depth fades; 0: it holds everywhere
 };
 
 // Where a handle should go, in units of the mesh. Angle and scale are for oriented handles, against

@@ -1,0 +1,138 @@
+// bake and drag against a private server.
+#include <cmath>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "client/cli/mesh_file.h"
+#include "tests/cli/csv.h"
+#include "tests/cli/run.h"
+
+namespace arap::cli {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+class Bake : public FolderTest {
+ protected:
+  void SetUp() override {
+    const Outcome outcome = Arapctl({"sample", "character", "--edge", "8", "--out",
+                                     Path("bear.obj"), "--track", Path("bear.json")});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+  }
+
+  // Runs a command on the bear.
+  Outcome OnBear(const std::string& command, const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{command, Path("bear.obj"), Path("bear.json"), "--spawn"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Arapctl(arguments);
+  }
+
+  // Every row is finite and as long as the mesh, and the first is the rest shape.
+  void ExpectShapes(const std::string& path, std::size_t rows) const {
+    const auto mesh = ReadPlanarMesh(Path("bear.obj"));
+    ASSERT_TRUE(mesh);
+    const Csv csv = ParseCsv(Slurp(path));
+    EXPECT_TRUE(csv.header.starts_with("frame,x0,y0,x1,y1,")) << csv.header.substr(0, 40);
+    ASSERT_EQ(csv.rows.size(), rows);
+    for (std::size_t i = 0; i < rows; ++i) {
+      EXPECT_EQ(csv.frames[i], i);
+      ASSERT_EQ(csv.rows[i].size(), mesh->vertices.size());
+      for (const double x : csv.rows[i]) ASSERT_TRUE(std::isfinite(x)) << "frame " << i;
+    }
+    for (std::size_t k = 0; k < mesh->vertices.size(); ++k) {
+      ASSERT_NEAR(csv.rows[0][k], mesh->vertices[k], 1e-6) << "coordinate " << k;
+    }
+  }
+};
+
+TEST_F(Bake, WritesAShapePerFrame) {
+  const Outcome outcome = OnBear(
+      "bake", {"--out", Path("shapes.csv"), "--svg", Path("a.svg"), "--frames-svg", Path("b.svg")});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("120 frames"));
+  EXPECT_THAT(outcome.out, HasSubstr("; 0 frames with flips"));
+  EXPECT_THAT(outcome.err, Not(HasSubstr("frame 1/")));  // progress is for terminals
+  ExpectShapes(Path("shapes.csv"), 120);
+  EXPECT_THAT(Slurp(Path("a.svg")), HasSubstr("repeatCount=\"indefinite\""));
+  EXPECT_THAT(Slurp(Path("b.svg")), HasSubstr("frame 119"));
+}
+
+TEST_F(Bake, EveryBasisModeAndHandleKind) {
+  const std::vector<std::vector<std::string>> choices{
+      {"--basis", "face", "--refine", "2"},
+      {"--basis", "vertex", "--weights", "cotangent"},
+      {"--as-published"},
+      {"--hard"},
+      {"--mode", "similarity"},
+      {"--mode", "baseline"}};
+  for (std::vector<std::string> choice : choices) {
+    choice.insert(choice.end(), {"--out", Path("shapes.csv")});
+    const Outcome outcome = OnBear("bake", choice);
+    ASSERT_EQ(outcome.code, 0) << testing::PrintToString(choice) << outcome.err;
+    ExpectShapes(Path("shapes.csv"), 120);
+  }
+}
+
+TEST_F(Bake, TwoRunsGiveTheSameBytes) {
+  ASSERT_EQ(OnBear("bake", {"--out", Path("a.csv")}).code, 0);
+  ASSERT_EQ(OnBear("bake", {"--out", Path("b.csv")}).code, 0);
+  EXPECT_EQ(Slurp(Path("a.csv")), Slurp(Path("b.csv")));
+}
+
+TEST_F(Bake, AFullDiskIsAFailure) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  const Outcome outcome = OnBear("bake", {"--out", "/dev/full"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("cannot write /dev/full"));
+}
+
+TEST_F(Bake, FaultsOfTheServerNameReasonAndElements) {
+  const std::string mesh = Put("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
+  const std::string track = Put("t.json", R"({"handles": [{"rest": [0.2, 0.2]}], "frames": []})");
+  const Outcome outcome = Arapctl({"bake", mesh, track, "--spawn", "--out", Path("c.csv")});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("DEGENERATE_TRIANGLE"));
+  EXPECT_THAT(outcome.err, HasSubstr("elements 1"));
+
+  const std::string outside = Put("o.json", R"({"handles": [{"rest": [9, 9]}], "frames": []})");
+  const std::string good = Put("good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const Outcome handle = Arapctl({"bake", good, outside, "--spawn", "--out", Path("c.csv")});
+  EXPECT_EQ(handle.code, 1);
+  EXPECT_THAT(handle.err, HasSubstr("HANDLE_OUTSIDE"));
+}
+
+TEST_F(Bake, DragEveryAnswersEveryUpdate) {
+  const Outcome outcome =
+      OnBear("drag", {"--delivery", "every", "--out", Path("shapes.csv"), "--json", Path("t.json"),
+                      "--svg", Path("a.svg"), "--frames-svg", Path("b.svg")});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("120 updates, 120 answers, 0 replaced"));
+  ExpectShapes(Path("shapes.csv"), 120);
+  const auto json = nlohmann::json::parse(Slurp(Path("t.json")), nullptr, false);
+  ASSERT_TRUE(json.is_object());
+  EXPECT_EQ(json["answered"], 120);
+  EXPECT_GT(json["round_trip_micros"]["p50"], 0);
+  EXPECT_GE(json["round_trip_micros"]["p99"], json["round_trip_micros"]["p50"]);
+}
+
+TEST_F(Bake, DragEveryAndBakeAgree) {
+  ASSERT_EQ(OnBear("bake", {"--out", Path("a.csv")}).code, 0);
+  ASSERT_EQ(OnBear("drag", {"--delivery", "every", "--out", Path("b.csv")}).code, 0);
+  EXPECT_EQ(Slurp(Path("a.csv")), Slurp(Path("b.csv")));
+}
+
+TEST_F(Bake, DragLatestAnswersOrReplacesEveryUpdate) {
+  const Outcome outcome = OnBear("drag", {"--rate", "10000", "--json", Path("t.json")});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(Slurp(Path("t.json")), nullptr, false);
+  ASSERT_TRUE(json.is_object());
+  EXPECT_EQ(json["sent"], 120);
+  EXPECT_GE(json["answered"], 1);
+  EXPECT_EQ(json["answered"].get<int>() + json["replaced"].get<int>(), 120);
+}
+
+}  // namespace
+}  // namespace arap::cli

@@ -1,0 +1,61 @@
+// info and load against a private server.
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "client/cli/load_stream.h"
+#include "tests/cli/run.h"
+
+namespace arap::cli {
+namespace {
+
+using testing::HasSubstr;
+
+class LoadCommand : public FolderTest {};
+
+TEST_F(LoadCommand, InfoTellsVersionLimitsAndCapabilities) {
+  const Outcome text = Arapctl({"info", "--spawn"});
+  ASSERT_EQ(text.code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("version"));
+  EXPECT_THAT(text.out, HasSubstr("max_vertices"));
+  const Outcome json = Arapctl({"info", "--spawn", "--json"});
+  ASSERT_EQ(json.code, 0) << json.err;
+  const auto info = nlohmann::json::parse(json.out, nullptr, false);
+  ASSERT_TRUE(info.is_object()) << json.out;
+  EXPECT_GT(info["limits"]["max_vertices"], 0);
+  EXPECT_GT(info["workers"], 0);
+}
+
+TEST_F(LoadCommand, CountsUpdatesWithoutErrors) {
+  const Outcome outcome =
+      Arapctl({"load", "--spawn", "--streams", "2", "--connections", "2", "--seconds", "1",
+               "--vertices", "300", "--json", Path("load.json")});
+  ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("errors       none"));
+  const auto json = nlohmann::json::parse(Slurp(Path("load.json")), nullptr, false);
+  ASSERT_TRUE(json.is_object());
+  EXPECT_GT(json["updates"], 2);
+  EXPECT_TRUE(json["errors"].empty());
+  EXPECT_GT(json["round_trip_micros"]["p50"], 0);
+  EXPECT_GT(json["solve_micros"]["p50"], 0);
+}
+
+TEST_F(LoadCommand, ErrorsAreCountedByReasonAndFailTheCommand) {
+  const Outcome outcome = Arapctl({"load", "--spawn", "--streams", "2", "--seconds", "0.1",
+                                   "--vertices", "1100000", "--handles", "2"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("MESH_TOO_LARGE"));
+  EXPECT_THAT(outcome.err, HasSubstr("first error"));
+}
+
+TEST(LoadPlan, HasTheVerticesAndHandlesThatWereAsked) {
+  for (const std::size_t vertices : {4u, 300u, 1000u, 5000u}) {
+    const LoadPlan plan = MakeLoadPlan(vertices, 8, std::chrono::seconds(1));
+    EXPECT_NEAR(static_cast<double>(plan.mesh.vertex_count()), static_cast<double>(vertices),
+                0.05 * static_cast<double>(vertices));
+    EXPECT_EQ(plan.handles.size(), 8u);
+    EXPECT_EQ(plan.rests.size(), 16u);
+  }
+}
+
+}  // namespace
+}  // namespace arap::cli

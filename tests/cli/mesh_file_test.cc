@@ -1,0 +1,100 @@
+#include "client/cli/mesh_file.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/cli/run.h"
+
+namespace arap::cli {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class MeshFile : public FolderTest {
+ protected:
+  // The message of the fault that reading this OBJ gives.
+  std::string Complaint(const std::string& obj) const {
+    const auto mesh = ReadSurfaceMesh(Put("bad.obj", obj));
+    return mesh ? "no fault" : mesh.error().message;
+  }
+};
+
+// Out of order, with a vertex in the middle that no triangle uses.
+constexpr const char* kObj =
+    "# comment\nmtllib a.mtl\nv 0.1 0.30000000000000004 -1e-17\nv 5 5 5\nv 1 0 0\nv 0 1 0.5\n"
+    "vt 0 0\nvt 1 0\nvn 0 0 1\n";
+
+TEST_F(MeshFile, ObjKeepsOrderUnusedVerticesAndEveryBit) {
+  const auto mesh = ReadSurfaceMesh(Put("a.obj", std::string(kObj) + "f 4/1/1 1/2/1 3/1/1\n"));
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_THAT(mesh->vertices,
+              ElementsAre(0.1, 0.30000000000000004, -1e-17, 5, 5, 5, 1, 0, 0, 0, 1, 0.5));
+  EXPECT_THAT(mesh->triangles, ElementsAre(3, 0, 2));
+}
+
+TEST_F(MeshFile, ObjWithTabsLinesAndCarriageReturns) {
+  const auto mesh =
+      ReadSurfaceMesh(Put("a.OBJ", "v\t0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nl 1 2\r\nf 1\t2\t3\r\n"));
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_THAT(mesh->triangles, ElementsAre(0, 1, 2));
+}
+
+TEST_F(MeshFile, ObjWithRelativeIndices) {
+  const auto mesh = ReadSurfaceMesh(Put("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n"));
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_THAT(mesh->triangles, ElementsAre(0, 1, 2));
+}
+
+TEST_F(MeshFile, OffKeepsOrderAndUnusedVertices) {
+  const auto mesh = ReadSurfaceMesh(
+      Put("a.off", "OFF\n4 1 0\n0.1 0.30000000000000004 3\n5 5 5\n1 0 0\n0 1 0\n3 3 0 2\n"));
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_THAT(mesh->vertices, ElementsAre(0.1, 0.30000000000000004, 3, 5, 5, 5, 1, 0, 0, 0, 1, 0));
+  EXPECT_THAT(mesh->triangles, ElementsAre(3, 0, 2));
+}
+
+TEST_F(MeshFile, WhatIsWrittenReadsBackExactly) {
+  const client::SurfaceMesh mesh{{0.1, 1.0 / 3, -2e-300, 1e17, 0, 0, 0, 1, 0}, {2, 0, 1}};
+  const auto back = ReadSurfaceMesh(Put("a.obj", FormatObj(mesh)));
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->vertices, mesh.vertices);
+  EXPECT_EQ(back->triangles, mesh.triangles);
+}
+
+TEST_F(MeshFile, FlatPositionsAreWrittenPerCorner) {
+  const client::SurfaceMesh mesh{{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}};
+  const std::vector<double> uv{0, 0, 0.5, 0, 0, 0.25};
+  const std::vector<std::uint32_t> corner_uv{1, 2, 0};
+  EXPECT_EQ(FormatObj(mesh, uv, corner_uv),
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 0.5 0\nvt 0 0.25\nf 1/2 2/3 3/1\n");
+}
+
+TEST_F(MeshFile, PlanarMeshDropsACommonZ) {
+  const auto mesh = ReadPlanarMesh(Put("a.obj", "v 0 0 2\nv 1 0 2\nv 0 1 2\nf 1 2 3\n"));
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_THAT(mesh->vertices, ElementsAre(0, 0, 1, 0, 0, 1));
+  const auto bent = ReadPlanarMesh(Put("b.obj", "v 0 0 2\nv 1 0 2\nv 0 1 3\nf 1 2 3\n"));
+  ASSERT_FALSE(bent);
+  EXPECT_THAT(bent.error().message, HasSubstr("vertex 2 has z = 3"));
+}
+
+TEST_F(MeshFile, FaultsNameTheFileAndWhatIsWrong) {
+  EXPECT_THAT(Complaint("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"),
+              HasSubstr("bad.obj: not a triangle mesh: face 0 has 4 corners"));
+  EXPECT_THAT(Complaint("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"), HasSubstr("vertex that is not"));
+  EXPECT_THAT(Complaint("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n"), HasSubstr("bad.obj"));
+  EXPECT_THAT(Complaint("v 0 0 zero\n"), HasSubstr("not a readable .obj file"));
+  EXPECT_THAT(Complaint(""), HasSubstr("bad.obj"));
+
+  const auto unknown = ReadSurfaceMesh(Put("a.txt", "v 0 0 0\n"));
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().kind, FaultKind::kInvalidOption);
+  EXPECT_THAT(unknown.error().message, HasSubstr(".obj"));
+  const auto missing = ReadSurfaceMesh(Path("missing.obj"));
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().kind, FaultKind::kNotFound);
+  EXPECT_THAT(missing.error().message, HasSubstr("missing.obj"));
+}
+
+}  // namespace
+}  // namespace arap::cli

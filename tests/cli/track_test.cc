@@ -1,0 +1,92 @@
+#include "client/cli/track.h"
+
+#include <gmock/gmock.h>
+
+namespace arap::cli {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr const char* kTrack = R"({
+  "mesh": "a.obj", "bbox_diag": 3, "w": 1000, "extra": [1],
+  "handles": [
+    {"name": "head", "rest": [1, 2.5], "triangle": 7, "bary": [0.25, 0.25, 0.5], "nearest_vertex": 3},
+    {"rest": [0, 0], "vertex": 4},
+    {"name": "tail", "rest": [-1, 0]}],
+  "frames": [{"i": 0, "kind": "rest", "targets": [[1, 2.5], [0, 0], [-1, 0]]},
+             {"targets": [[2, 2], [0, 0], [-1, 1e-3]]}]})";
+
+std::string Complaint(const std::string& text) {
+  const Result<Track> track = ParseTrack(text);
+  return track ? "no fault" : track.error().message;
+}
+
+TEST(Track, ReadsHandlesAnchorsAndFrames) {
+  const Result<Track> track = ParseTrack(kTrack);
+  ASSERT_TRUE(track) << track.error().message;
+  EXPECT_EQ(track->mesh, "a.obj");
+  ASSERT_EQ(track->handles.size(), 3u);
+  const auto& anchor = std::get<client::TriangleAnchor>(track->handles[0].anchor);
+  EXPECT_EQ(anchor.triangle, 7u);
+  EXPECT_THAT(anchor.barycentric, ElementsAre(0.25, 0.25, 0.5));
+  EXPECT_EQ(track->handles[1].name, "h1");
+  EXPECT_EQ(std::get<client::VertexAnchor>(track->handles[1].anchor).vertex, 4u);
+  EXPECT_EQ(std::get<client::PointAnchor>(track->handles[2].anchor).x, -1);
+  ASSERT_EQ(track->frames.size(), 2u);
+  EXPECT_EQ(track->frames[0].kind, "rest");
+  EXPECT_THAT(track->frames[1].targets, ElementsAre(2, 2, 0, 0, -1, 1e-3));
+}
+
+TEST(Track, TheEnergyWeightIsTheSquareOfTheRowWeight) {
+  const Result<Track> track = ParseTrack(kTrack);
+  ASSERT_TRUE(track);
+  EXPECT_EQ(ToHandles(*track, /*hard=*/false)[0].weight, 1e6);
+  EXPECT_FALSE(ToHandles(*track, false)[0].hard);
+  EXPECT_TRUE(ToHandles(*track, true)[0].hard);
+  EXPECT_FALSE(ToHandles(*track, true)[0].weight);
+  EXPECT_THAT(HandleIds(*track), ElementsAre("head", "h1", "tail"));
+}
+
+TEST(Track, WithoutAWeightTheServerChooses) {
+  const Result<Track> track = ParseTrack(R"({"handles": [{"rest": [0, 0]}], "frames": []})");
+  ASSERT_TRUE(track) << track.error().message;
+  EXPECT_FALSE(ToHandles(*track, false)[0].weight);
+}
+
+TEST(Track, WhatIsWrittenReadsBackExactly) {
+  const Result<Track> track = ParseTrack(kTrack);
+  ASSERT_TRUE(track);
+  const std::string text = FormatTrack(*track);
+  const Result<Track> back = ParseTrack(text);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(FormatTrack(*back), text);
+  EXPECT_EQ(back->frames[1].targets, track->frames[1].targets);
+  EXPECT_EQ(back->row_weight, track->row_weight);
+}
+
+TEST(Track, FaultsSayWhatIsWrong) {
+  EXPECT_THAT(Complaint("{"), HasSubstr("not a JSON object"));
+  EXPECT_THAT(Complaint("[]"), HasSubstr("not a JSON object"));
+  EXPECT_THAT(Complaint("{}"), HasSubstr("\"handles\" and \"frames\""));
+  EXPECT_THAT(Complaint(R"({"handles": [1], "frames": []})"), HasSubstr("handle 0 needs"));
+  EXPECT_THAT(Complaint(R"({"handles": [{"rest": [1, "x"]}], "frames": []})"),
+              HasSubstr("handle 0 needs \"rest\""));
+  EXPECT_THAT(Complaint(R"({"handles": [{"rest": [1, 2], "triangle": -1}], "frames": []})"),
+              HasSubstr("\"triangle\""));
+  EXPECT_THAT(Complaint(R"({"handles": [{"rest": [1, 2], "vertex": 1.5}], "frames": []})"),
+              HasSubstr("\"vertex\""));
+  EXPECT_THAT(Complaint(R"({"handles": [{"rest": [1, 2]}], "frames": [{"targets": []}]})"),
+              HasSubstr("frame 0"));
+  EXPECT_THAT(Complaint(R"({"handles": [{"rest": [1, 2]}], "frames": [{"targets": [[1]]}]})"),
+              HasSubstr("target 0"));
+}
+
+TEST(Track, AMissingFileIsNotFound) {
+  const Result<Track> track = ReadTrack("/nowhere/track.json");
+  ASSERT_FALSE(track);
+  EXPECT_EQ(track.error().kind, FaultKind::kNotFound);
+}
+
+}  // namespace
+}  // namespace arap::cli
