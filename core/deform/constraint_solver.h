@@ -18,7 +18,6 @@ namespace arap {
 
 // Scratch of one stream. Solvers size what they use in Prepare and allocate nothing afterwards.
 struct SolverScratch {
-  std::vector<double> force;           // #V×2, the right-hand side f of step 2: x, then y
   std::vector<Complex> complex_right;  // #V, direct solver only
   Saddle<Complex>::Scratch similarity;
   Saddle<double>::Scratch rigid_x, rigid_y;
@@ -37,9 +36,14 @@ class ConstraintSolver {
   virtual bool AddSimilarity(std::span<const Complex> miss, ShapeView shape,
                              SolverScratch& scratch) const = 0;
 
-  // The same for step 2 under scratch.force (overwritten), which must vanish where `turned` is
-  // false.
-  virtual bool AddRigid(bool turned, std::span<const Complex> miss, ShapeView shape,
+  // Step 2 is force → solution of rigid_factor() → AddRigid. CompleteForce adds the rows' share to
+  // the edges' force (#V×2: x, then y) and clears it where nothing moves; AddRigid adds the
+  // solution and what the rows still lack to `shape`. `solution` may be nullptr where
+  // NeedsRigidSolve says no.
+  virtual const Factor<double>& rigid_factor() const = 0;
+  virtual bool NeedsRigidSolve(bool turned) const = 0;
+  virtual void CompleteForce(std::span<const Complex> miss, std::span<double> force) const = 0;
+  virtual void AddRigid(const double* solution, std::span<const Complex> miss, ShapeView shape,
                         SolverScratch& scratch) const = 0;
 
   virtual std::size_t bytes() const = 0;

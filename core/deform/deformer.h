@@ -43,7 +43,8 @@ struct ShapeQuality {
 // same bytes.
 class Deformer {
  public:
-  explicit Deformer(std::shared_ptr<const CompiledHandles> handles);
+  // `lanes` frames may be taken side by side with UpdateMany.
+  explicit Deformer(std::shared_ptr<const CompiledHandles> handles, std::size_t lanes = 1);
   ~Deformer();
   Deformer(Deformer&&) noexcept;
   Deformer& operator=(Deformer&&) noexcept;
@@ -53,12 +54,18 @@ class Deformer {
   // kConflictingHandles, kInvalidOption, kNumerical; positions() is then as before.
   Result<ShapeQuality> Update(std::span<const Target> targets, const DeformOptions& options = {});
 
-  // Vertex positions (#V) of the last successful Update, at first the rest positions. Valid until
-  // the next call. Unreferenced vertices stay at rest.
-  std::span<const Complex> positions() const;
+  // Up to lanes() frames at once; each shape is the same, to the last bit, as Update's. They share
+  // the passes over the factor, which pays for baking. The first fault ends it for all.
+  Status UpdateMany(std::span<const std::span<const Target>> frames, const DeformOptions& options,
+                    std::span<ShapeQuality> qualities);
+  std::size_t lanes() const;
 
-  // Ids of the flipped triangles of the last Update, ascending. Allocates.
-  std::vector<std::uint32_t> FlippedTriangles() const;
+  // Vertex positions (#V) of the last successful update, at first the rest positions. Valid until
+  // the next call. Unreferenced vertices stay at rest.
+  std::span<const Complex> positions(std::size_t lane = 0) const;
+
+  // Ids of the flipped triangles of the last update, ascending. Allocates.
+  std::vector<std::uint32_t> FlippedTriangles(std::size_t lane = 0) const;
 
   const std::shared_ptr<const CompiledHandles>& handles() const;
 

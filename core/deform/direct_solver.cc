@@ -103,7 +103,6 @@ Status DirectSolver::AddHardRows() {
 }
 
 void DirectSolver::Prepare(SolverScratch& scratch) const {
-  scratch.force.assign(2 * mesh_->rest.size(), 0);
   scratch.complex_right.assign(mesh_->rest.size(), 0);
   scratch.similarity.Resize(similarity_schur_.size());
   scratch.rigid_x.Resize(rigid_schur_.size());
@@ -145,26 +144,31 @@ bool DirectSolver::AddSimilarity(std::span<const Complex> miss, ShapeView shape,
   return true;
 }
 
-bool DirectSolver::AddRigid(bool turned, std::span<const Complex> miss, ShapeView shape,
-                            SolverScratch& scratch) const {
+const Factor<double>& DirectSolver::rigid_factor() const { return *rigid_; }
+
+bool DirectSolver::NeedsRigidSolve(bool) const { return true; }
+
+void DirectSolver::CompleteForce(std::span<const Complex> miss, std::span<double> force) const {
   const std::size_t n = mesh_->rest.size();
-  if (!turned) std::fill(scratch.force.begin(), scratch.force.end(), 0.0);
   for (std::size_t v = 0; v < n; ++v) {
-    if (fixed_[v]) scratch.force[v] = scratch.force[n + v] = 0;
+    if (fixed_[v]) force[v] = force[n + v] = 0;
   }
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
       const double weight = MatrixWeight(rows_[i]) * rows_[i].weight[c];
-      scratch.force[rows_[i].vertex[c]] += weight * miss[i].real();
-      scratch.force[n + rows_[i].vertex[c]] += weight * miss[i].imag();
+      force[rows_[i].vertex[c]] += weight * miss[i].real();
+      force[n + rows_[i].vertex[c]] += weight * miss[i].imag();
     }
   }
-  const auto y = rigid_->Solve(scratch.force, 2, scratch.workspace);
-  if (y.empty()) return false;
-  for (std::size_t v = 0; v < n; ++v) shape.x[v] += y[v];
-  for (std::size_t v = 0; v < n; ++v) shape.y[v] += y[n + v];
+}
+
+void DirectSolver::AddRigid(const double* solution, std::span<const Complex> miss, ShapeView shape,
+                            SolverScratch& scratch) const {
+  const std::size_t n = mesh_->rest.size();
+  for (std::size_t v = 0; v < n; ++v) shape.x[v] += solution[v];
+  for (std::size_t v = 0; v < n; ++v) shape.y[v] += solution[n + v];
   for (std::size_t j = 0; j < hard_.size(); ++j) {
-    const Complex left = miss[hard_[j]] - PointOf(rows_[hard_[j]], {y.data(), y.data() + n});
+    const Complex left = miss[hard_[j]] - PointOf(rows_[hard_[j]], {solution, solution + n});
     scratch.rigid_x.right[static_cast<Eigen::Index>(j)] = left.real();
     scratch.rigid_y.right[static_cast<Eigen::Index>(j)] = left.imag();
   }
@@ -177,7 +181,6 @@ bool DirectSolver::AddRigid(bool turned, std::span<const Complex> miss, ShapeVie
     for (std::size_t v = 0; v < n; ++v) shape.x[v] += mx * z[v];
     for (std::size_t v = 0; v < n; ++v) shape.y[v] += my * z[v];
   }
-  return true;
 }
 
 std::size_t DirectSolver::bytes() const {

@@ -27,7 +27,10 @@ class DirectSolver : public ConstraintSolver {
   void Prepare(SolverScratch& scratch) const override;
   bool AddSimilarity(std::span<const Complex> miss, ShapeView shape,
                      SolverScratch& scratch) const override;
-  bool AddRigid(bool turned, std::span<const Complex> miss, ShapeView shape,
+  const Factor<double>& rigid_factor() const override;
+  bool NeedsRigidSolve(bool turned) const override;
+  void CompleteForce(std::span<const Complex> miss, std::span<double> force) const override;
+  void AddRigid(const double* solution, std::span<const Complex> miss, ShapeView shape,
                 SolverScratch& scratch) const override;
   std::size_t bytes() const override;
 

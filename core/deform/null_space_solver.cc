@@ -49,7 +49,6 @@ NullSpaceSolver::NullSpaceSolver(const CompiledHandlesParts& parts)
 }
 
 void NullSpaceSolver::Prepare(SolverScratch& scratch) const {
-  scratch.force.assign(2 * mesh_->rest.size(), 0);
   scratch.similarity.Resize(similarity_.size());
   scratch.rigid_x.Resize(rigid_.size());
   scratch.rigid_y.Resize(rigid_.size());
@@ -82,27 +81,28 @@ bool NullSpaceSolver::AddSimilarity(std::span<const Complex> miss, ShapeView sha
   return true;
 }
 
-bool NullSpaceSolver::AddRigid(bool turned, std::span<const Complex> miss, ShapeView shape,
-                               SolverScratch& scratch) const {
+const Factor<double>& NullSpaceSolver::rigid_factor() const { return *mesh_->rigid; }
+
+bool NullSpaceSolver::NeedsRigidSolve(bool turned) const { return turned; }
+
+void NullSpaceSolver::CompleteForce(std::span<const Complex>, std::span<double> force) const {
+  const std::size_t n = mesh_->rest.size();
+  for (const MeshComponent& c : mesh_->components) force[c.ground0] = force[n + c.ground0] = 0;
+}
+
+void NullSpaceSolver::AddRigid(const double* solution, std::span<const Complex> miss,
+                               ShapeView shape, SolverScratch& scratch) const {
   const std::size_t n = mesh_->rest.size();
   const auto k = static_cast<Eigen::Index>(rows_.size());
   for (Eigen::Index i = 0; i < k; ++i) {
-    scratch.rigid_x.right[i] = miss[static_cast<std::size_t>(i)].real();
-    scratch.rigid_y.right[i] = miss[static_cast<std::size_t>(i)].imag();
+    Complex left = miss[static_cast<std::size_t>(i)];
+    if (solution) left -= PointOf(rows_[static_cast<std::size_t>(i)], {solution, solution + n});
+    scratch.rigid_x.right[i] = left.real();
+    scratch.rigid_y.right[i] = left.imag();
   }
-  if (turned) {
-    for (const MeshComponent& c : mesh_->components) {
-      scratch.force[c.ground0] = scratch.force[n + c.ground0] = 0;
-    }
-    const std::span<const double> g = mesh_->rigid->Solve(scratch.force, 2, scratch.workspace);
-    if (g.empty()) return false;
-    for (std::size_t v = 0; v < n; ++v) shape.x[v] += g[v];
-    for (std::size_t v = 0; v < n; ++v) shape.y[v] += g[n + v];
-    for (Eigen::Index i = 0; i < k; ++i) {
-      const Complex moved = PointOf(rows_[static_cast<std::size_t>(i)], {g.data(), g.data() + n});
-      scratch.rigid_x.right[i] -= moved.real();
-      scratch.rigid_y.right[i] -= moved.imag();
-    }
+  if (solution) {
+    for (std::size_t v = 0; v < n; ++v) shape.x[v] += solution[v];
+    for (std::size_t v = 0; v < n; ++v) shape.y[v] += solution[n + v];
   }
   rigid_.Solve(scratch.rigid_x);
   rigid_.Solve(scratch.rigid_y);
@@ -118,7 +118,6 @@ bool NullSpaceSolver::AddRigid(bool turned, std::span<const Complex> miss, Shape
     shape.x[v] += x[at];
     shape.y[v] += y[at];
   }
-  return true;
 }
 
 std::size_t NullSpaceSolver::bytes() const {

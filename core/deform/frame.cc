@@ -1,0 +1,147 @@
+#include "core/deform/frame.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/energy/local_step.h"
+
+namespace arap {
+
+Frame::Frame(const CompiledHandlesParts& set)
+    : set_(set),
+      mesh_(set.mesh->parts()),
+      targets_(set),
+      shape_(2 * mesh_.rest.size()),
+      miss_(set.active_rows.size()),
+      base_(mesh_.components.size()),
+      counts_(mesh_.components.size()),
+      sizes_(mesh_.components.size()),
+      mean_(mesh_.components.size(), 1) {}
+
+Status Frame::Begin(std::span<const Target> targets, SolverScratch& scratch) {
+  if (auto ok = targets_.Place(targets); !ok) return ok;
+  FitBase();
+  StartFromBase(false);
+  if (!set_.solver->AddSimilarity(miss_, {x(), y()}, scratch)) {
+    return Fail(FaultKind::kNumerical, "a back-substitution ran out of memory");
+  }
+  return {};
+}
+
+void Frame::Force(bool turned, std::span<double> force) {
+  std::fill(force.begin(), force.end(), 0.0);
+  if (turned) {
+    AddRotatedEdges(mesh_.cells, View(), mean_, mesh_.topology.vertex_component,
+                    {force.data(), force.data() + n()});
+  } else {
+    std::fill(mean_.begin(), mean_.end(), Complex(1));
+  }
+  StartFromBase(true);
+  set_.solver->CompleteForce(miss_, force);
+}
+
+void Frame::Rigid(const double* solution, SolverScratch& scratch) {
+  set_.solver->AddRigid(solution, miss_, {x(), y()}, scratch);
+}
+
+Result<ShapeQuality> Frame::Finish(std::span<const Target> targets,
+                                   std::vector<Complex>& positions) {
+  if (!Place(positions)) {
+    return Fail(FaultKind::kNumerical,
+                "the shape is not finite: the targets are too far away for this mesh");
+  }
+  const ShapeQuality quality = Measure(targets, positions);
+  if (!std::isfinite(quality.energy) || !std::isfinite(quality.worst_handle_error) ||
+      !std::isfinite(quality.mean_stretch)) {
+    return Fail(FaultKind::kNumerical, "a measure of the shape is not finite");
+  }
+  return quality;
+}
+
+// The similarity of each component that fits its targets best. It is in the null space of step 1,
+// and its rotation in that of the turned edges of step 2; solving for the difference keeps rigid
+// motions exact.
+void Frame::FitBase() {
+  for (Similarity& s : base_) s = {0, 0, 0};
+  for (std::size_t c = 0; c < base_.size(); ++c) counts_[c] = sizes_[c] = 0;
+  for (const std::size_t r : set_.active_rows) {
+    const std::uint32_t c = set_.rows[r].component;
+    base_[c].from += set_.rows[r].rest;
+    base_[c].place += targets_[r];
+    counts_[c] += 1;
+  }
+  for (std::size_t c = 0; c < base_.size(); ++c) {
+    if (counts_[c] == 0) continue;
+    base_[c].from /= counts_[c];
+    base_[c].place /= counts_[c];
+  }
+  for (const std::size_t r : set_.active_rows) {
+    const std::uint32_t c = set_.rows[r].component;
+    const Complex arm = set_.rows[r].rest - base_[c].from;
+    base_[c].turn += std::conj(arm) * (targets_[r] - base_[c].place);
+    sizes_[c] += std::norm(arm);
+  }
+  for (std::size_t c = 0; c < base_.size(); ++c) {
+    if (counts_[c] > 0) base_[c].turn /= sizes_[c];
+    const double size = std::abs(base_[c].turn);
+    mean_[c] = size > kNoDirection ? base_[c].turn / size : 1;
+  }
+}
+
+// shape := the base, or its rigid part; miss := what the rows lack.
+void Frame::StartFromBase(bool rigid) {
+  for (std::size_t v = 0; v < n(); ++v) {
+    const std::uint32_t c = mesh_.topology.vertex_component[v];
+    Complex p = mesh_.rest[v];
+    if (c != kNone && set_.active_slot[c] != kNone) {
+      p = base_[c].place + (rigid ? mean_[c] : base_[c].turn) * (p - base_[c].from);
+    }
+    x()[v] = p.real();
+    y()[v] = p.imag();
+  }
+  for (std::size_t i = 0; i < miss_.size(); ++i) {
+    const std::size_t r = set_.active_rows[i];
+    miss_[i] = targets_[r] - PointOf(set_.rows[r], View());
+  }
+}
+
+// Back to the units of the mesh, into `positions`. False when a number is not finite.
+bool Frame::Place(std::vector<Complex>& positions) {
+  const double unit = mesh_.report.diagonal;
+  double probe = 0;  // NaN or infinite as soon as one number is
+  for (std::size_t v = 0; v < n(); ++v) {
+    const std::uint32_t c = mesh_.topology.vertex_component[v];
+    if (c != kNone && set_.active_slot[c] != kNone) {
+      positions[v] = mesh_.origin + unit * (Complex(x()[v], y()[v]) + targets_.middle());
+    } else {
+      positions[v] = mesh_.mesh.vertices[v];
+      if (c != kNone) positions[v] += unit * targets_.shift(c);
+    }
+    probe += 0 * positions[v].real() + 0 * positions[v].imag();
+  }
+  return probe == 0;
+}
+
+ShapeQuality Frame::Measure(std::span<const Target> given,
+                            const std::vector<Complex>& positions) const {
+  ShapeQuality quality;
+  const auto stretch = mesh_.stretch.Measure(mesh_.mesh, positions, mesh_.report.diagonal);
+  quality.flipped = stretch.flipped;
+  quality.mean_stretch = stretch.mean;
+  quality.max_stretch = stretch.max;
+  quality.energy = RigidEnergy(mesh_.cells, View());
+  for (const Row& row : set_.rows) {
+    Complex p = 0;
+    for (std::size_t k = 0; k < 3; ++k) p += row.weight[k] * positions[row.vertex[k]];
+    const Target& target = given[row.handle];
+    const Complex wanted = target.position + OffsetAt(target, row.offset) * mesh_.report.diagonal;
+    const double error = std::abs(p - wanted);
+    if (error > quality.worst_handle_error) {
+      quality.worst_handle_error = error;
+      quality.worst_handle = row.handle;
+    }
+  }
+  return quality;
+}
+
+}  // namespace arap

@@ -1,0 +1,63 @@
+// Frame: one set of targets on its way to a shape, step by step [algorithm §7].
+//
+// The rigid solve itself is left to the caller, so that several frames can share one pass over the
+// factor.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/deform/compiled_parts.h"
+#include "core/deform/deformer.h"
+#include "core/deform/target_rows.h"
+
+namespace arap {
+
+// Coordinates are normalised and relative to the mean target. Allocates at construction only.
+// Nothing is kept from one set of targets to the next.
+class Frame {
+ public:
+  explicit Frame(const CompiledHandlesParts& set);
+
+  // Checks the targets and takes step 1. Faults: those of TargetRows::Place, kNumerical.
+  Status Begin(std::span<const Target> targets, SolverScratch& scratch);
+
+  // The right-hand side of step 2 (#V×2: x, then y) with the rotations of the shape so far. Without
+  // `turned` every rotation is 1: the baseline of eq. 1, where the edges exert no force.
+  void Force(bool turned, std::span<double> force);
+
+  // The shape of step 2 from the solution of the rigid factor for that force; nullptr for no force.
+  void Rigid(const double* solution, SolverScratch& scratch);
+
+  // Writes the shape to `positions` (#V, units of the mesh) and measures it. kNumerical when
+  // anything is not finite; `positions` is scratch then.
+  Result<ShapeQuality> Finish(std::span<const Target> targets, std::vector<Complex>& positions);
+
+ private:
+  // p ↦ place + turn·(p − from)
+  struct Similarity {
+    Complex from, place, turn;
+  };
+
+  std::size_t n() const { return mesh_.rest.size(); }
+  double* x() { return shape_.data(); }
+  double* y() { return shape_.data() + n(); }
+  ConstShapeView View() const { return {shape_.data(), shape_.data() + n()}; }
+
+  void FitBase();
+  void StartFromBase(bool rigid);
+  bool Place(std::vector<Complex>& positions);
+  ShapeQuality Measure(std::span<const Target> targets,
+                       const std::vector<Complex>& positions) const;
+
+  const CompiledHandlesParts& set_;
+  const RegisteredMeshParts& mesh_;
+  TargetRows targets_;
+  std::vector<double> shape_;           // #V×2, x then y
+  std::vector<Complex> miss_;           // per active row: target minus place
+  std::vector<Similarity> base_;        // per component: the similarity that fits its targets best
+  std::vector<double> counts_, sizes_;  // per component, of FitBase
+  std::vector<Complex> mean_;           // per component: t̄, the rotation of the base
+};
+
+}  // namespace arap
