@@ -18,7 +18,7 @@ struct Limits {
   std::size_t max_message_bytes = 64u << 20u;  // of one request message
   std::size_t max_streams = 1'000;             // open streams and running tracks together
   std::size_t max_track_frames = 10'000;
-  std::uint32_t max_refine = 100;
+  std::uint32_t max_refine = 1000;
   std::chrono::milliseconds default_ttl = std::chrono::hours(1);
   std::chrono::milliseconds max_ttl = std::chrono::hours(24);
 };

@@ -6,6 +6,7 @@
 #include <arap/v1/deformation_service.pb.h>
 #include <fmt/format.h>
 
+#include "core/deform/pick.h"
 #include "server/app/limits.h"
 
 namespace arap::rpc {
@@ -70,23 +71,55 @@ Result<ShapeOptions> FromWire(const v1::DeformOptions& options, const app::Limit
   return out;
 }
 
-Status CheckPicks(int pick_numbers) {
-  if (pick_numbers == 0) return {};
-  return Fail(Fault{FaultKind::kUnimplemented,
-                    "Mapping deformed points back to rest is not served by this version.",
-                    {},
-                    {},
-                    "pick_points"});
+Result<std::vector<Complex>> PicksFromWire(const google::protobuf::RepeatedField<double>& numbers) {
+  const auto count = static_cast<std::size_t>(numbers.size());
+  if (count % 2 != 0 || count > 2 * kMaxPicks) {
+    return Fail(Fault{FaultKind::kArrayLength,
+                      fmt::format("pick_points has {} numbers; it needs x y pairs, at most {} of them.",
+                                  count, kMaxPicks),
+                      {},
+                      {{"length", std::to_string(count)}, {"limit", std::to_string(2 * kMaxPicks)}},
+                      "pick_points"});
+  }
+  std::vector<Complex> picks;
+  picks.reserve(count / 2);
+  for (int i = 0; i + 1 < numbers.size(); i += 2) {
+    if (!std::isfinite(numbers[i]) || !std::isfinite(numbers[i + 1])) {
+      return Fail(Fault{FaultKind::kNonFiniteTarget,
+                        fmt::format("Pick point {} is NaN or infinite.", i / 2),
+                        {static_cast<std::uint32_t>(i / 2)},
+                        {},
+                        fmt::format("pick_points[{}]", i)});
+    }
+    picks.emplace_back(numbers[i], numbers[i + 1]);
+  }
+  return picks;
+}
+
+void PicksToWire(const Deformer& deformer, std::span<const Complex> picks, v1::Shape* out) {
+  if (picks.empty()) return;
+  const Picker picker(deformer.handles());
+  for (const Complex point : picks) {
+    v1::PickResult& result = *out->add_picks();
+    const auto pick = picker.Find(deformer.positions(), point);
+    if (!pick) continue;
+    result.set_hit(true);
+    result.set_triangle(pick->triangle);
+    result.mutable_rest()->set_x(pick->rest.real());
+    result.mutable_rest()->set_y(pick->rest.imag());
+    result.mutable_barycentric()->Assign(pick->barycentric.begin(), pick->barycentric.end());
+  }
 }
 
 Status ToWire(const Deformer& deformer, const ShapeQuality& quality, const ShapeOptions& options,
-              v1::Shape* out) {
-  const auto packed = options.float64 ? ToDoubles(deformer.positions(), out->mutable_positions64())
-                                      : ToFloats(deformer.positions(), out->mutable_positions());
+              v1::Shape* out, std::size_t lane) {
+  const std::span<const Complex> positions = deformer.positions(lane);
+  const auto packed = options.float64 ? ToDoubles(positions, out->mutable_positions64())
+                                      : ToFloats(positions, out->mutable_positions());
   if (!packed) return packed;
   out->set_flipped_count(quality.flipped);
   if (options.flipped_ids) {
-    const std::vector<std::uint32_t> flipped = deformer.FlippedTriangles();
+    const std::vector<std::uint32_t> flipped = deformer.FlippedTriangles(lane);
     out->mutable_flipped_ids()->Assign(flipped.begin(), flipped.end());
   }
   out->set_worst_handle_error(quality.worst_handle_error);

@@ -18,7 +18,8 @@ Status Deform(app::Engine& engine, const v1::DeformRequest& request, const Call&
   if (!entry) return Fail(std::move(entry.error()));
   auto options = FromWire(request.options(), engine.limits);
   if (!options) return Fail(std::move(options.error()));
-  if (auto picks = CheckPicks(request.pick_points_size()); !picks) return picks;
+  auto picks = PicksFromWire(request.pick_points());
+  if (!picks) return Fail(std::move(picks.error()));
   auto targets = app::CompleteTargets(*entry->handles, FromWire(request.targets()));
   if (!targets) return Fail(std::move(targets.error()));
 
@@ -27,6 +28,7 @@ Status Deform(app::Engine& engine, const v1::DeformRequest& request, const Call&
   if (!quality) return Fail(std::move(quality.error()));
   v1::Shape& shape = *response->mutable_shape();
   if (auto good = ToWire(deformer, *quality, *options, &shape); !good) return good;
+  PicksToWire(deformer, *picks, &shape);
   shape.set_handle_set_revision(entry->revision);
   shape.set_queue_micros(call.queue_micros);
   shape.set_solve_micros(working.Micros());

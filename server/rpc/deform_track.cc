@@ -1,8 +1,12 @@
 #include "server/rpc/deform_track.h"
 
+#include <algorithm>
+#include <array>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -23,6 +27,9 @@
 
 namespace arap::rpc {
 namespace {
+
+// Frames that share a pass over the factor: CHOLMOD takes four columns at a time, x and y of two frames.
+constexpr std::size_t kLanes = 2;
 
 // As StreamDeformReactor: state behind a mutex, every entry pumps, jobs hold a shared pointer.
 class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackResponse>,
@@ -78,20 +85,20 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
   // Starts whatever has become possible. With mutex_ held.
   void Pump() {
     if (finished_) return;
-    if (!writing_ && ready_ && !cancelled_) {
-      outgoing_ = std::move(*ready_);
-      ready_.reset();
+    if (!writing_ && !ready_.empty() && !cancelled_) {
+      outgoing_ = std::move(ready_.front());
+      ready_.pop_front();
       writing_ = true;
       ++written_;
       StartWrite(&outgoing_);
     }
-    if (prepared_ && !working_ && !ready_ && !end_ && !cancelled_ &&
+    if (prepared_ && !working_ && ready_.empty() && !end_ && !cancelled_ &&
         next_frame_ < request_.frames_size()) {
       waiting_ = {};
-      working_ = engine_.jobs.Continue([self = self_] { self->RunFrame(); });
+      working_ = engine_.jobs.Continue([self = self_] { self->RunFrames(); });
       if (!working_) end_ = app::Overloaded();
     }
-    if (!working_ && !writing_ && (cancelled_ || !ready_)) FinishTrack();
+    if (!working_ && !writing_ && (cancelled_ || ready_.empty())) FinishTrack();
   }
 
   void FinishTrack() {
@@ -113,14 +120,14 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
     Pump();
   }
 
-  void RunFrame() {
-    auto frame = Frame();
+  void RunFrames() {
+    auto frames = Frames();
     const std::lock_guard lock(mutex_);
-    if (frame) {
-      ready_ = *std::move(frame);
-      ++next_frame_;
+    if (frames) {
+      next_frame_ += static_cast<int>(frames->size());
+      for (v1::DeformTrackResponse& frame : *frames) ready_.push_back(std::move(frame));
     } else if (!end_) {
-      end_ = std::move(frame.error());
+      end_ = std::move(frames.error());
     }
     working_ = false;
     Pump();
@@ -158,29 +165,49 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
     options_ = *options;
     order_ = *std::move(order);
     revision_ = entry->revision;
-    deformer_.emplace(entry->handles);
+    deformer_.emplace(entry->handles, kLanes);
     return {};
   }
 
-  Result<v1::DeformTrackResponse> Frame() {
+  // The next kLanes frames, or only the next one when they fail together: the frames before a bad one are
+  // answered, and the fault names the one that it is.
+  Result<std::vector<v1::DeformTrackResponse>> Frames() {
+    if (auto alive = cancel_.Check(); !alive) return Fail(std::move(alive.error()));
+    const std::size_t left = static_cast<std::size_t>(request_.frames_size() - next_frame_);
+    auto frames = Solve(std::min(kLanes, left));
+    if (!frames && left > 1) frames = Solve(1);
+    return frames;
+  }
+
+  Result<std::vector<v1::DeformTrackResponse>> Solve(std::size_t count) {
     const double queue_micros = waiting_.Micros();
     const runtime::Stopwatch working;
-    if (auto alive = cancel_.Check(); !alive) return Fail(std::move(alive.error()));
-    const auto index = static_cast<std::size_t>(next_frame_);
-    auto targets = FromWire(request_.frames(next_frame_), index, order_);
-    if (!targets) return Fail(std::move(targets.error()));
-    v1::DeformTrackResponse response;
-    v1::Shape& shape = *response.mutable_shape();
-    auto quality = deformer_->Update(*targets, options_.deform);
-    if (!quality) return Fail(AtFrame(std::move(quality.error()), index));
-    if (auto good = ToWire(*deformer_, *quality, options_, &shape); !good) {
-      return Fail(AtFrame(std::move(good.error()), index));
+    const auto first = static_cast<std::size_t>(next_frame_);
+    std::array<std::vector<Target>, kLanes> targets;
+    std::array<std::span<const Target>, kLanes> views;
+    std::array<ShapeQuality, kLanes> qualities;
+    for (std::size_t i = 0; i < count; ++i) {
+      auto frame = FromWire(request_.frames(static_cast<int>(first + i)), first + i, order_);
+      if (!frame) return Fail(std::move(frame.error()));
+      targets[i] = *std::move(frame);
+      views[i] = targets[i];
     }
-    shape.set_sequence(index);
-    shape.set_handle_set_revision(revision_);
-    shape.set_queue_micros(queue_micros);
-    shape.set_solve_micros(working.Micros());
-    return response;
+    if (auto done = deformer_->UpdateMany(std::span(views).first(count), options_.deform, qualities);
+        !done) {
+      return Fail(AtFrame(std::move(done.error()), first));
+    }
+    std::vector<v1::DeformTrackResponse> responses(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      v1::Shape& shape = *responses[i].mutable_shape();
+      if (auto good = ToWire(*deformer_, qualities[i], options_, &shape, i); !good) {
+        return Fail(AtFrame(std::move(good.error()), first + i));
+      }
+      shape.set_sequence(first + i);
+      shape.set_handle_set_revision(revision_);
+      shape.set_queue_micros(queue_micros);
+      shape.set_solve_micros(working.Micros() / static_cast<double>(count));
+    }
+    return responses;
   }
 
   static Fault AtFrame(Fault fault, std::size_t index) {
@@ -205,7 +232,7 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
   bool prepared_ = false;
   bool working_ = false;
   int next_frame_ = 0;
-  std::optional<v1::DeformTrackResponse> ready_;
+  std::deque<v1::DeformTrackResponse> ready_;  // at most kLanes
   v1::DeformTrackResponse outgoing_;  // gRPC's while writing_
   bool writing_ = false;
   int written_ = 0;

@@ -45,6 +45,7 @@ class StreamDeformReactor final
   struct Accepted {
     std::uint64_t sequence = 0;
     runtime::Stopwatch waiting;
+    std::vector<Complex> picks;
   };
 
   // The pump and its steps, with mutex_ held; each step answers whether it got anywhere.

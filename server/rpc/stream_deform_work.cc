@@ -76,18 +76,19 @@ bool StreamDeformReactor::TakeUpdate(const v1::HandleUpdate& update) {
     EndLocked(std::move(alive.error()));
     return true;
   }
-  if (auto merged = Merge(update); !merged) {
+  auto picks = PicksFromWire(update.pick_points());
+  const Status merged = picks ? Merge(update) : Status(Fail(picks.error()));
+  if (!merged) {
     if (!idle()) return false;  // its turn comes after the answers before it
     outbox_.PushError(update.sequence(), merged.error());
     return true;
   }
   if (next_) ++replaced_;
-  next_ = Accepted{update.sequence(), {}};
+  next_ = Accepted{update.sequence(), {}, *std::move(picks)};
   return true;
 }
 
 Status StreamDeformReactor::Merge(const v1::HandleUpdate& update) {
-  if (auto picks = CheckPicks(update.pick_points_size()); !picks) return picks;
   if (update.positions_size() == 0) {
     return app::MergeTargets(live_->handles(), FromWire(update.targets()), live_->targets());
   }
@@ -185,6 +186,7 @@ void StreamDeformReactor::RunUpdate() {
       quality ? Fill(live_->deformer(), *quality, job_update_.sequence, live_->entry().revision,
                      working, queue_micros, message.mutable_shape())
               : Status(Fail(std::move(quality.error())));
+  if (made) PicksToWire(live_->deformer(), job_update_.picks, message.mutable_shape());
 
   const std::lock_guard lock(mutex_);
   if (made) {

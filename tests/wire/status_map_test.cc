@@ -43,7 +43,10 @@ TEST(StatusMapTest, DetailsTellEverything) {
   EXPECT_EQ(error.metadata.at("elements"), "7,9");
   EXPECT_EQ(error.metadata.at("limit"), "1e-9");
   EXPECT_EQ(error.fields, std::vector<std::string>{"triangles"});
-  EXPECT_EQ(ToRpcStatus(fault).SerializeAsString(), status.error_details());
+  const wire::WireError in_stream =
+      wire::ExpectError(ToRpcStatus(fault), grpc::INVALID_ARGUMENT, "DEGENERATE_TRIANGLE");
+  EXPECT_EQ(in_stream.metadata, error.metadata);
+  EXPECT_EQ(in_stream.fields, error.fields);
 }
 
 TEST(StatusMapTest, OnlyWhatPassesIsToBeRetried) {
