@@ -74,12 +74,13 @@ Result<ShapeOptions> FromWire(const v1::DeformOptions& options, const app::Limit
 Result<std::vector<Complex>> PicksFromWire(const google::protobuf::RepeatedField<double>& numbers) {
   const auto count = static_cast<std::size_t>(numbers.size());
   if (count % 2 != 0 || count > 2 * kMaxPicks) {
-    return Fail(Fault{FaultKind::kArrayLength,
-                      fmt::format("pick_points has {} numbers; it needs x y pairs, at most {} of them.",
-                                  count, kMaxPicks),
-                      {},
-                      {{"length", std::to_string(count)}, {"limit", std::to_string(2 * kMaxPicks)}},
-                      "pick_points"});
+    return Fail(
+        Fault{FaultKind::kArrayLength,
+              fmt::format("pick_points has {} numbers; it needs x y pairs, at most {} of them.",
+                          count, kMaxPicks),
+              {},
+              {{"length", std::to_string(count)}, {"limit", std::to_string(2 * kMaxPicks)}},
+              "pick_points"});
   }
   std::vector<Complex> picks;
   picks.reserve(count / 2);

@@ -28,7 +28,8 @@
 namespace arap::rpc {
 namespace {
 
-// Frames that share a pass over the factor: CHOLMOD takes four columns at a time, x and y of two frames.
+// Frames that share a pass over the factor: CHOLMOD takes four columns at a time, x and y of two
+// frames.
 constexpr std::size_t kLanes = 2;
 
 // As StreamDeformReactor: state behind a mutex, every entry pumps, jobs hold a shared pointer.
@@ -169,8 +170,8 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
     return {};
   }
 
-  // The next kLanes frames, or only the next one when they fail together: the frames before a bad one are
-  // answered, and the fault names the one that it is.
+  // The next kLanes frames, or only the next one when they fail together: the frames before a bad
+  // one are answered, and the fault names the one that it is.
   Result<std::vector<v1::DeformTrackResponse>> Frames() {
     if (auto alive = cancel_.Check(); !alive) return Fail(std::move(alive.error()));
     const std::size_t left = static_cast<std::size_t>(request_.frames_size() - next_frame_);
@@ -192,7 +193,8 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
       targets[i] = *std::move(frame);
       views[i] = targets[i];
     }
-    if (auto done = deformer_->UpdateMany(std::span(views).first(count), options_.deform, qualities);
+    if (auto done =
+            deformer_->UpdateMany(std::span(views).first(count), options_.deform, qualities);
         !done) {
       return Fail(AtFrame(std::move(done.error()), first));
     }
@@ -233,7 +235,7 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
   bool working_ = false;
   int next_frame_ = 0;
   std::deque<v1::DeformTrackResponse> ready_;  // at most kLanes
-  v1::DeformTrackResponse outgoing_;  // gRPC's while writing_
+  v1::DeformTrackResponse outgoing_;           // gRPC's while writing_
   bool writing_ = false;
   int written_ = 0;
   std::optional<Fault> end_;

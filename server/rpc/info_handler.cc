@@ -18,8 +18,8 @@ constexpr const char* kCapabilities[] = {"basis.edge",      "basis.edge_as_publi
                                          "mode.baseline",   "deform.refine",
                                          "deform.track",    "stream.latest",
                                          "stream.every",    "stream.edit",
-                                         "flatten",         "flatten.refine",
-                                         "result.float64"};
+                                         "deform.pick",     "flatten",
+                                         "flatten.refine",  "result.float64"};
 
 }  // namespace
 

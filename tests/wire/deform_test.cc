@@ -163,23 +163,41 @@ TEST_F(DeformTest, HardHandlesThatContradictAreNamed) {
 
 TEST_F(DeformTest, OptionsHaveRanges) {
   auto request = Request(Moved(0, 0));
-  request.mutable_options()->set_refine(101);
+  request.mutable_options()->set_refine(1001);
   v1::DeformResponse response;
   auto error =
       ExpectError(DeformWith(request, &response), grpc::INVALID_ARGUMENT, "INVALID_OPTION");
   EXPECT_EQ(error.metadata.at("quota"), "max_refine");
-  EXPECT_EQ(error.metadata.at("limit"), "100");
+  EXPECT_EQ(error.metadata.at("limit"), "1000");
   request.mutable_options()->set_refine(0);
   request.mutable_options()->set_mode(static_cast<v1::DeformMode>(55));
   ExpectError(DeformWith(request, &response), grpc::INVALID_ARGUMENT, "INVALID_OPTION");
 }
 
-TEST_F(DeformTest, PickingIsNotServedYet) {
+TEST_F(DeformTest, PicksMapDeformedPointsBackToRest) {
+  auto request = Request(Moved(2, 1));  // a translation: rest is two and one back
+  for (const double value : {3.25, 2.75, 100.0, 100.0}) request.add_pick_points(value);
+  v1::DeformResponse response;
+  ASSERT_TRUE(DeformWith(request, &response).ok());
+  ASSERT_EQ(response.shape().picks_size(), 2);
+  const v1::PickResult& hit = response.shape().picks(0);
+  EXPECT_TRUE(hit.hit());
+  EXPECT_NEAR(hit.rest().x(), 1.25, 1e-9);
+  EXPECT_NEAR(hit.rest().y(), 1.75, 1e-9);
+  ASSERT_EQ(hit.barycentric_size(), 3);
+  EXPECT_NEAR(hit.barycentric(0) + hit.barycentric(1) + hit.barycentric(2), 1, 1e-12);
+  EXPECT_FALSE(response.shape().picks(1).hit());
+}
+
+TEST_F(DeformTest, BadPicksAreNamed) {
   auto request = Request(Moved(0, 0));
   request.add_pick_points(1);
-  request.add_pick_points(1);
   v1::DeformResponse response;
-  ExpectError(DeformWith(request, &response), grpc::UNIMPLEMENTED, "UNIMPLEMENTED");
+  ExpectError(DeformWith(request, &response), grpc::INVALID_ARGUMENT, "ARRAY_LENGTH");
+  request.add_pick_points(std::nan(""));
+  ExpectError(DeformWith(request, &response), grpc::INVALID_ARGUMENT, "NON_FINITE_TARGET");
+  request.mutable_pick_points()->Resize(2 * 1025, 0);
+  ExpectError(DeformWith(request, &response), grpc::INVALID_ARGUMENT, "ARRAY_LENGTH");
 }
 
 class TrackTest : public DeformTest {

@@ -91,7 +91,7 @@ TEST_F(FlattenTest, FaultsAreNamedAndTheServerServesOn) {
   request.mutable_energy()->set_basis(v1::BASIS_VERTEX);
   ExpectError(Flatten(request, &response), grpc::INVALID_ARGUMENT, "INVALID_OPTION");
   request = BentStrip();
-  request.set_refine(101);
+  request.set_refine(1001);
   const auto refine =
       ExpectError(Flatten(request, &response), grpc::INVALID_ARGUMENT, "INVALID_OPTION");
   EXPECT_EQ(refine.metadata.at("quota"), "max_refine");

@@ -370,14 +370,21 @@ TEST_F(StreamTest, EditsWithAreasRunAsJobs) {
   EXPECT_EQ(shape.handle_set_revision(), 2u);
 }
 
-TEST_F(StreamTest, PickingIsNotServedYet) {
+TEST_F(StreamTest, PicksComeWithTheirShapeAndBadOnesInTheStream) {
   DeformStream stream(deformation());
-  stream.Opened("s", "h", v1::DELIVERY_LATEST);
+  stream.Opened("s", "h", v1::DELIVERY_EVERY);
   v1::StreamDeformRequest request;
-  request.mutable_update()->add_pick_points(1);
-  request.mutable_update()->add_pick_points(1);
+  request.mutable_update()->set_sequence(7);
+  request.mutable_update()->add_pick_points(1.5);
   stream.Send(request);
-  ExpectError(stream.ReadError().status(), grpc::UNIMPLEMENTED, "UNIMPLEMENTED");
+  ExpectError(stream.ReadError().status(), grpc::INVALID_ARGUMENT, "ARRAY_LENGTH");
+  request.mutable_update()->add_pick_points(1.5);
+  stream.Send(request);
+  const v1::Shape shape = stream.ReadShape();  // at rest: the point is its own rest
+  ASSERT_EQ(shape.picks_size(), 1);
+  EXPECT_TRUE(shape.picks(0).hit());
+  EXPECT_NEAR(shape.picks(0).rest().x(), 1.5, 1e-9);
+  EXPECT_NEAR(shape.picks(0).rest().y(), 1.5, 1e-9);
 }
 
 TEST_F(StreamTest, DeletedSessionEndsItsStreams) {
