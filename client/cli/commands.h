@@ -20,5 +20,6 @@ void AddDrag(CLI::App& app, Run& run);
 void AddFlatten(CLI::App& app, Run& run);
 void AddLoad(CLI::App& app, Run& run);
 void AddSample(CLI::App& app, Run& run);
+void AddFigures(CLI::App& app, Run& run);
 
 }  // namespace arap::cli

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   arap::cli::AddFlatten(app, run);
   arap::cli::AddLoad(app, run);
   arap::cli::AddSample(app, run);
+  arap::cli::AddFigures(app, run);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

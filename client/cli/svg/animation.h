@@ -13,6 +13,7 @@ struct Film {
   std::vector<std::vector<double>> shapes;   // per frame: x y x y… of the vertices
   std::vector<std::vector<double>> handles;  // per frame: x y x y… of the handle targets
   std::vector<std::size_t> numbers;          // per frame: its number in the track
+  std::vector<std::string> labels;           // per frame, or empty: "frame <number>"
   std::string caption;
 
   std::size_t frame_count() const { return shapes.size(); }

@@ -64,8 +64,10 @@ std::string FormatSheet(const Film& film, std::size_t count) {
                    kBodyStyle, PathData(outline, /*closed=*/true, shape, view), kMeshStyle,
                    PathData(inner, /*closed=*/false, shape, view));
     AppendHandles(film.handles[chosen[i]], view, body);
-    body +=
-        SvgText(left, top + height + kLabel, 16, fmt::format("frame {}", film.numbers[chosen[i]]));
+    const std::size_t frame = chosen[i];
+    body += SvgText(
+        left, top + height + kLabel, 16,
+        film.labels.empty() ? fmt::format("frame {}", film.numbers[frame]) : film.labels[frame]);
   }
   const double total_width = kGap + static_cast<double>(columns) * (width + kGap);
   const double total_height = kGap + static_cast<double>(rows) * (height + kLabel + kGap);
