@@ -63,15 +63,35 @@ void BM_Register(benchmark::State& state) {
 }
 BENCHMARK(BM_Register)->Arg(1000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
 
+// Compile and update the same handles in both forms: where they cross is kDirectRows.
+HandleSolver SolverOf(std::int64_t number) {
+  return number == 0 ? HandleSolver::kNullSpace : HandleSolver::kDirect;
+}
+
 void BM_Compile(benchmark::State& state) {
   const auto mesh = Registered(state.range(0));
   const auto handles = Handles(*mesh, state.range(1));
-  for (auto _ : state) benchmark::DoNotOptimize(Must(CompiledHandles::Compile(mesh, handles)));
+  const HandleSolver solver = SolverOf(state.range(2));
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(Must(CompiledHandles::Compile(mesh, handles, {}, solver)));
+  }
 }
 BENCHMARK(BM_Compile)
-    ->ArgNames({"vertices", "handles"})
-    ->ArgsProduct({{1000, 10000}, {8, 64, 256}})
-    ->Args({100000, 8})
+    ->ArgNames({"vertices", "handles", "direct"})
+    ->ArgsProduct({{1000, 10000}, {8, 32, 64, 128}, {0, 1}})
+    ->Unit(benchmark::kMillisecond);
+
+void BM_UpdateBy(benchmark::State& state) {
+  const auto mesh = Registered(state.range(0));
+  const auto set = Must(
+      CompiledHandles::Compile(mesh, Handles(*mesh, state.range(1)), {}, SolverOf(state.range(2))));
+  const auto targets = Targets(*set);
+  Deformer deformer(set);
+  for (auto _ : state) benchmark::DoNotOptimize(Must(deformer.Update(targets)));
+}
+BENCHMARK(BM_UpdateBy)
+    ->ArgNames({"vertices", "handles", "direct"})
+    ->ArgsProduct({{1000, 10000}, {8, 32, 64, 128}, {0, 1}})
     ->Unit(benchmark::kMillisecond);
 
 void BM_AddOneHandle(benchmark::State& state) {
@@ -98,8 +118,7 @@ void BM_Update(benchmark::State& state) {
 }
 BENCHMARK(BM_Update)
     ->ArgNames({"vertices", "handles", "basis"})
-    ->ArgsProduct({{1000, 10000}, {8, 64, 256}, {0}})
-    ->ArgsProduct({{10000}, {8}, {2, 3}})
+    ->ArgsProduct({{1000, 10000}, {8}, {0, 2, 3}})
     ->Args({100000, 8, 0})
     ->Unit(benchmark::kMillisecond);
 
