@@ -85,7 +85,7 @@ std::optional<FaultKind> KindOfReason(std::string_view reason) {
   return KindOf(parsed);
 }
 
-FaultKind KindOfCode(grpc::StatusCode code) {
+FaultKind KindOfCode(int code) {
   switch (code) {
     case grpc::StatusCode::UNAVAILABLE:
       return FaultKind::kDraining;

@@ -55,7 +55,7 @@ std::string Milliseconds(const google::protobuf::Duration& duration) {
 
 Fault FaultOf(const google::rpc::Status& status) {
   Fault fault;
-  fault.kind = KindOfCode(static_cast<grpc::StatusCode>(status.code()));
+  fault.kind = KindOfCode(status.code());
   fault.message = status.message();
   std::string retry_delay;
   for (const google::protobuf::Any& detail : status.details()) {

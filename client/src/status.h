@@ -19,7 +19,7 @@ Fault FaultOf(const google::rpc::Status& status);
 // The kind of ErrorInfo.reason, as in "DEGENERATE_TRIANGLE"; empty for one that we do not know.
 std::optional<FaultKind> KindOfReason(std::string_view reason);
 // The kind of a status that names no reason.
-FaultKind KindOfCode(grpc::StatusCode code);
+FaultKind KindOfCode(int code);
 // "UNAVAILABLE" and so on.
 const char* CodeName(int code);
 

@@ -50,8 +50,9 @@ class Deformer {
   Deformer& operator=(Deformer&&) noexcept;
 
   // One target per handle, in the order of the set. No heap allocation after the first call.
-  // Cost: linear in #V times the handles, and one back-substitution. Faults: kTargetCount, kNonFiniteTarget,
-  // kConflictingHandles, kInvalidOption, kNumerical; positions() is then as before.
+  // Cost: linear in #V times the handles, and one back-substitution. Faults: kTargetCount,
+  // kNonFiniteTarget, kConflictingHandles, kInvalidOption, kNumerical; positions() is then as
+  // before.
   Result<ShapeQuality> Update(std::span<const Target> targets, const DeformOptions& options = {});
 
   // Up to lanes() frames at once; each shape is the same, to the last bit, as Update's. They share

@@ -33,8 +33,8 @@ struct RegistrationReport {
 // Immutable, safe to share between threads. Every handle set on the mesh shares its factors.
 class RegisteredMesh {
  public:
-  // Validates, builds the cells and factors. O(n^1.5) for a planar mesh: about 0.1 s at 10k
-  // vertices. Faults: those of ValidatePlanar, kArrayLength and kInvalidOption for the rigidity,
+  // Validates, builds the cells and factors. O(n^1.5) for a planar mesh.
+  // Faults: those of ValidatePlanar, kArrayLength and kInvalidOption for the rigidity,
   // kNumerical, and whatever `cancel` answers between the phases.
   static Result<std::shared_ptr<const RegisteredMesh>> Register(PlanarMesh mesh,
                                                                 const EnergyOptions& options,
