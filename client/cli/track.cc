@@ -12,14 +12,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-auto Bad(std::string message) { return Fail(FaultKind::kInvalidOption, "track: " + message); }
+auto Bad(const std::string& message) {
+  return Fail(FaultKind::kInvalidOption, "track: " + message);
+}
 
 // The member when it is there, else null. Never throws, whatever `object` is.
 const Json& Member(const Json& object, const char* name) {
-  static const Json null;
-  if (!object.is_object()) return null;
+  static const Json kNull;
+  if (!object.is_object()) return kNull;
   const auto found = object.find(name);
-  return found == object.end() ? null : *found;
+  return found == object.end() ? kNull : *found;
 }
 
 bool ReadNumbers(const Json& array, std::size_t count, double* out) {

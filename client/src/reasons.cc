@@ -70,9 +70,8 @@ std::optional<FaultKind> KindOf(v1::ErrorReason reason) {
     case v1::ERROR_REASON_INTERNAL:
       return FaultKind::kInternal;
     case v1::ERROR_REASON_UNSPECIFIED:
+    default:  // protobuf's sentinels
       break;
-    default:
-      break;  // protobuf's sentinels
   }
   return std::nullopt;
 }

@@ -9,7 +9,6 @@ namespace arap::client {
 
 using internal::Append;
 using internal::FromWire;
-using internal::ToWire;
 
 namespace {
 

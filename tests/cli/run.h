@@ -21,10 +21,11 @@ std::string Slurp(const std::string& path);
 
 // A fresh folder, gone after the test.
 class FolderTest : public testing::Test {
- protected:
+ public:
   FolderTest();
   ~FolderTest() override;
 
+ protected:
   std::string Path(const std::string& name) const { return folder_ + "/" + name; }
   // Writes a file in the folder; answers its path.
   std::string Put(const std::string& name, const std::string& text) const;

@@ -56,8 +56,9 @@ std::string FormatSheet(const Film& film, std::size_t count) {
   const Lines inner = InnerLines(film.triangles);
   std::string body;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    const double left = kGap + static_cast<double>(i % columns) * (width + kGap);
-    const double top = kGap + static_cast<double>(i / columns) * (height + kLabel + kGap);
+    const std::size_t row = i / columns;
+    const double left = kGap + static_cast<double>(i - row * columns) * (width + kGap);
+    const double top = kGap + static_cast<double>(row) * (height + kLabel + kGap);
     const View view(bounds, left, top, width, height);
     const std::vector<double>& shape = film.shapes[chosen[i]];
     fmt::format_to(std::back_inserter(body), "<path {} d=\"{}\"/>\n<path {} d=\"{}\"/>\n",
