@@ -32,7 +32,8 @@ struct Totals {
 
 std::vector<client::TrackFrame> Frames(const Track& track) {
   std::vector<client::TrackFrame> frames;
-  for (const TrackFrame& frame : track.frames) frames.push_back({frame.targets, {}, {}});
+  for (const TrackFrame& frame : track.frames)
+    frames.push_back({frame.targets, frame.angles, frame.scales});
   return frames;
 }
 

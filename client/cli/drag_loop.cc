@@ -18,7 +18,16 @@ double MicrosSince(Clock::time_point then) {
 client::HandleUpdate UpdateOf(const Track& track, std::size_t frame) {
   client::HandleUpdate update;
   update.sequence = frame + 1;
-  update.positions = track.frames[frame].targets;
+  const TrackFrame& given = track.frames[frame];
+  if (given.angles.empty() && given.scales.empty()) {
+    update.positions = given.targets;
+    return update;
+  }
+  for (std::size_t k = 0; k < track.handles.size(); ++k) {
+    update.targets.push_back({track.handles[k].name, given.targets[2 * k], given.targets[2 * k + 1],
+                              given.angles.empty() ? 0 : given.angles[k],
+                              given.scales.empty() ? 1 : given.scales[k]});
+  }
   return update;
 }
 

@@ -61,6 +61,7 @@ Result<Stage> Stage::Open(const StageOptions& options) {
     energy.basis = client::Basis::kEdgeAsPublished;
     energy.weights = client::EdgeWeights::kUniform;
   }
+  energy.rigidity = stage.track_.rigidity;
   const auto registered = stage.session().RegisterMesh(stage.mesh_, energy);
   if (!registered) return Fail(registered.error());
   PrintWarnings(registered->mesh.warnings);

@@ -39,6 +39,46 @@ bool ReadIndex(const Json& number, std::uint32_t& out) {
   return true;
 }
 
+// Optional members: false when one is there and is something else.
+bool ReadOptional(const Json& value, double& out) {
+  if (value.is_number()) out = value.get<double>();
+  return value.is_null() || value.is_number();
+}
+bool ReadOptional(const Json& value, bool& out) {
+  if (value.is_boolean()) out = value.get<bool>();
+  return value.is_null() || value.is_boolean();
+}
+bool ReadOptional(const Json& array, std::size_t count, std::vector<double>& out) {
+  if (array.is_null()) return true;
+  out.resize(count);
+  return ReadNumbers(array, count, out.data());
+}
+
+bool ReadGrip(const Json& json, TrackHandle& handle) {
+  if (const Json& weight = Member(json, "weight"); weight.is_number()) {
+    handle.weight = weight.get<double>();
+  } else if (!weight.is_null()) {
+    return false;
+  }
+  return ReadOptional(Member(json, "hard"), handle.hard) &&
+         ReadOptional(Member(json, "oriented"), handle.oriented) &&
+         ReadOptional(Member(json, "snap"), handle.snap) &&
+         ReadOptional(Member(json, "area_radius"), handle.area_radius) &&
+         ReadOptional(Member(json, "depth"), handle.depth) &&
+         ReadOptional(Member(json, "depth_falloff"), handle.depth_falloff);
+}
+
+// Only what differs from the defaults.
+void WriteGrip(const TrackHandle& handle, Json& out) {
+  if (handle.weight) out["weight"] = *handle.weight;
+  if (handle.hard) out["hard"] = true;
+  if (handle.oriented) out["oriented"] = true;
+  if (handle.snap) out["snap"] = true;
+  if (handle.area_radius != 0) out["area_radius"] = handle.area_radius;
+  if (handle.depth != 0) out["depth"] = handle.depth;
+  if (handle.depth_falloff != 0) out["depth_falloff"] = handle.depth_falloff;
+}
+
 Result<TrackHandle> ReadHandle(const Json& json, std::size_t index) {
   TrackHandle handle;
   const std::string where = fmt::format("handle {}", index);
@@ -66,6 +106,11 @@ Result<TrackHandle> ReadHandle(const Json& json, std::size_t index) {
   } else {
     handle.anchor = client::PointAnchor{rest[0], rest[1]};
   }
+  if (!ReadGrip(json, handle)) {
+    return Bad(where +
+               ": weight, area_radius, depth and depth_falloff are numbers; hard, oriented "
+               "and snap are true or false");
+  }
   return handle;
 }
 
@@ -82,6 +127,10 @@ Result<TrackFrame> ReadFrame(const Json& json, std::size_t index, std::size_t ha
     if (!ReadNumbers(targets[k], 2, &frame.targets[2 * k])) {
       return Bad(fmt::format("frame {}: target {} is not [x, y]", index, k));
     }
+  }
+  if (!ReadOptional(Member(json, "angles"), handle_count, frame.angles) ||
+      !ReadOptional(Member(json, "scales"), handle_count, frame.scales)) {
+    return Bad(fmt::format("frame {}: angles and scales have one number per handle", index));
   }
   return frame;
 }
@@ -111,6 +160,10 @@ Result<Track> ParseTrack(std::string_view text) {
   if (Member(json, "mesh").is_string()) track.mesh = Member(json, "mesh").get<std::string>();
   if (const Json& weight = Member(json, "w"); weight.is_number()) {
     track.row_weight = weight.get<double>();
+  }
+  const Json& rigidity = Member(json, "rigidity");
+  if (!ReadOptional(rigidity, rigidity.size(), track.rigidity)) {
+    return Bad("\"rigidity\" is not an array of numbers");
   }
   for (const Json& entry : handles) {
     Result<TrackHandle> handle = ReadHandle(entry, track.handles.size());
@@ -143,6 +196,7 @@ std::string FormatTrack(const Track& track) {
     entry["name"] = handle.name;
     entry["rest"] = {handle.rest_x, handle.rest_y};
     std::visit(AnchorToJson{entry}, handle.anchor);
+    WriteGrip(handle, entry);
     json["handles"].push_back(std::move(entry));
   }
   json["frames"] = Json::array();
@@ -154,8 +208,11 @@ std::string FormatTrack(const Track& track) {
     for (std::size_t k = 0; k < frame.targets.size(); k += 2) {
       entry["targets"].push_back({frame.targets[k], frame.targets[k + 1]});
     }
+    if (!frame.angles.empty()) entry["angles"] = frame.angles;
+    if (!frame.scales.empty()) entry["scales"] = frame.scales;
     json["frames"].push_back(std::move(entry));
   }
+  if (!track.rigidity.empty()) json["rigidity"] = track.rigidity;
   return json.dump() + "\n";
 }
 
@@ -165,8 +222,15 @@ std::vector<client::Handle> ToHandles(const Track& track, bool hard) {
     client::Handle& handle = handles.emplace_back();
     handle.id = entry.name;
     handle.anchor = entry.anchor;
-    handle.hard = hard;
-    if (track.row_weight && !hard) handle.weight = *track.row_weight * *track.row_weight;
+    handle.hard = hard || entry.hard;
+    handle.oriented = entry.oriented;
+    handle.area_radius = entry.area_radius;
+    handle.snap = entry.snap;
+    handle.depth = entry.depth;
+    handle.depth_falloff = entry.depth_falloff;
+    if (handle.hard) continue;
+    if (track.row_weight) handle.weight = *track.row_weight * *track.row_weight;
+    if (entry.weight) handle.weight = entry.weight;
   }
   return handles;
 }

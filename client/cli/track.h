@@ -5,7 +5,12 @@
 //    "handles": [{"name": "head",                   optional name; 1 to 128 of [A-Za-z0-9._-]
 //                 "rest": [x, y],                   units of the mesh
 //                 "triangle": 7, "bary": [a, b, c], optional; holds here, else
-//                 "vertex": 12}],                   optional; holds here, else at `rest`
+//                 "vertex": 12,                     optional; holds here, else at `rest`
+//                 "weight": 1e6, "hard": true,      optional, as all that follow; of the squared
+//                 miss "oriented": true,                 hold the orientation and scale of the
+//                 target "area_radius": 5,                 hold every vertex around rigidly "snap":
+//                 true,                     a `rest` outside moves to the boundary "depth": 1,
+//                 "depth_falloff": 9}], for the drawing order
 //    "frames": [{"kind": "wave",                    optional; for people
 //                "targets": [[x, y], …]}]}          one per handle, in order, units of the mesh
 //
@@ -28,11 +33,16 @@ struct TrackHandle {
   std::string name;
   double rest_x = 0, rest_y = 0;
   std::variant<client::VertexAnchor, client::TriangleAnchor, client::PointAnchor> anchor;
+  std::optional<double> weight;
+  bool hard = false, oriented = false, snap = false;
+  double area_radius = 0, depth = 0, depth_falloff = 0;
 };
 
 struct TrackFrame {
   std::string kind;
   std::vector<double> targets;  // x y x y…, length 2·#handles
+  std::vector<double> angles;   // radians, length 0 or #handles
+  std::vector<double> scales;   // length 0 or #handles
 };
 
 struct Track {
@@ -40,6 +50,7 @@ struct Track {
   std::optional<double> row_weight;  // "w"; its square weighs the squared miss in the energy
   std::vector<TrackHandle> handles;
   std::vector<TrackFrame> frames;
+  std::vector<double> rigidity;  // per triangle, or empty
 };
 
 Result<Track> ParseTrack(std::string_view json);

@@ -65,6 +65,28 @@ TEST(Track, WhatIsWrittenReadsBackExactly) {
   EXPECT_EQ(back->row_weight, track->row_weight);
 }
 
+TEST(Track, GripsAnglesAndRigidityAreReadAndWritten) {
+  const Result<Track> track = ParseTrack(R"({"w": 10, "rigidity": [1, 50],
+    "handles": [{"rest": [0, 0], "weight": 7, "oriented": true, "area_radius": 2, "snap": true,
+                 "depth": 3, "depth_falloff": 4}, {"rest": [1, 0], "hard": true}],
+    "frames": [{"targets": [[0, 0], [1, 1]], "angles": [0.5, 0], "scales": [2, 1]}]})");
+  ASSERT_TRUE(track) << track.error().message;
+  const auto handles = ToHandles(*track, /*hard=*/false);
+  EXPECT_EQ(handles[0].weight, 7);
+  EXPECT_TRUE(handles[0].oriented && handles[0].snap && !handles[0].hard);
+  EXPECT_EQ(handles[0].area_radius, 2);
+  EXPECT_EQ(handles[0].depth, 3);
+  EXPECT_EQ(handles[0].depth_falloff, 4);
+  EXPECT_TRUE(handles[1].hard);
+  EXPECT_FALSE(handles[1].weight);
+  EXPECT_THAT(track->frames[0].angles, ElementsAre(0.5, 0));
+  EXPECT_THAT(track->frames[0].scales, ElementsAre(2, 1));
+  EXPECT_THAT(track->rigidity, ElementsAre(1, 50));
+  const Result<Track> back = ParseTrack(FormatTrack(*track));
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(FormatTrack(*back), FormatTrack(*track));
+}
+
 TEST(Track, FaultsSayWhatIsWrong) {
   EXPECT_THAT(Complaint("{"), HasSubstr("not a JSON object"));
   EXPECT_THAT(Complaint("[]"), HasSubstr("not a JSON object"));
