@@ -6,11 +6,12 @@
 //                 "rest": [x, y],                   units of the mesh
 //                 "triangle": 7, "bary": [a, b, c], optional; holds here, else
 //                 "vertex": 12,                     optional; holds here, else at `rest`
-//                 "weight": 1e6, "hard": true,      optional, as all that follow; of the squared
-//                 miss "oriented": true,                 hold the orientation and scale of the
-//                 target "area_radius": 5,                 hold every vertex around rigidly "snap":
-//                 true,                     a `rest` outside moves to the boundary "depth": 1,
-//                 "depth_falloff": 9}], for the drawing order
+//                 "weight": 1e6,                    of the squared miss; before "w"
+//                 "hard": true,                     meet the target exactly
+//                 "oriented": true,                 hold orientation and scale too
+//                 "area_radius": 5,                 hold every vertex around rigidly
+//                 "snap": true,                     a `rest` outside moves to the boundary
+//                 "depth": 1, "depth_falloff": 9}], for the drawing order; optional, as all six
 //    "frames": [{"kind": "wave",                    optional; for people
 //                "targets": [[x, y], …]}]}          one per handle, in order, units of the mesh
 //
@@ -33,7 +34,7 @@ struct TrackHandle {
   std::string name;
   double rest_x = 0, rest_y = 0;
   std::variant<client::VertexAnchor, client::TriangleAnchor, client::PointAnchor> anchor;
-  std::optional<double> weight;
+  std::optional<double> weight = std::nullopt;  // of the squared miss
   bool hard = false, oriented = false, snap = false;
   double area_radius = 0, depth = 0, depth_falloff = 0;
 };
