@@ -121,7 +121,16 @@ TEST_F(Bake, DragEveryAnswersEveryUpdate) {
 TEST_F(Bake, DragEveryAndBakeAgree) {
   ASSERT_EQ(OnBear("bake", {"--out", Path("a.csv")}).code, 0);
   ASSERT_EQ(OnBear("drag", {"--delivery", "every", "--out", Path("b.csv")}).code, 0);
-  EXPECT_EQ(Slurp(Path("a.csv")), Slurp(Path("b.csv")));
+  // A track may take several frames at a time, which rounds otherwise.
+  const Csv baked = ParseCsv(Slurp(Path("a.csv")));
+  const Csv dragged = ParseCsv(Slurp(Path("b.csv")));
+  ASSERT_EQ(baked.rows.size(), dragged.rows.size());
+  for (std::size_t i = 0; i < baked.rows.size(); ++i) {
+    ASSERT_EQ(baked.rows[i].size(), dragged.rows[i].size());
+    for (std::size_t k = 0; k < baked.rows[i].size(); ++k) {
+      ASSERT_NEAR(baked.rows[i][k], dragged.rows[i][k], 1e-9) << "frame " << i;
+    }
+  }
 }
 
 TEST_F(Bake, DragLatestAnswersOrReplacesEveryUpdate) {
