@@ -93,7 +93,10 @@ std::string FormatAnimation(const Film& film) {
                        seconds);
   }
   body += MovingHandles(film, chosen, view, seconds);
-  body += SvgText(kMargin, height + kCaption / 3, 22, film.caption);
+  // A letter is about half as wide as it is high: a long caption gets smaller letters.
+  const double letters = static_cast<double>(std::max<std::size_t>(film.caption.size(), 1));
+  const double size = std::min(22.0, (width - 2 * kMargin) / (0.55 * letters));
+  body += SvgText(kMargin, height + kCaption / 3, size, film.caption);
   return SvgDocument(width, height + kCaption, body);
 }
 
