@@ -31,8 +31,7 @@ Status Frame::Begin(std::span<const Target> targets, SolverScratch& scratch) {
 void Frame::Force(bool turned, std::span<double> force) {
   std::fill(force.begin(), force.end(), 0.0);
   if (turned) {
-    AddRotatedEdges(mesh_.cells, View(), mean_, mesh_.topology.vertex_component,
-                    {force.data(), force.data() + n()});
+    AddRotatedEdges(mesh_.cells, View(), mean_, {force.data(), force.data() + n()});
   } else {
     std::fill(mean_.begin(), mean_.end(), Complex(1));
   }

@@ -1,16 +1,9 @@
 #include "core/deform/null_space_solver.h"
 
+#include "core/deform/columns.h"
 #include "core/deform/compiled_parts.h"
 
 namespace arap {
-namespace {
-
-void AddColumn(const double* z, Complex lambda, std::size_t n, ShapeView shape) {
-  for (std::size_t v = 0; v < n; ++v) shape.x[v] += z[v] * lambda.real();
-  for (std::size_t v = 0; v < n; ++v) shape.y[v] += z[v] * lambda.imag();
-}
-
-}  // namespace
 
 NullSpaceSolver::NullSpaceSolver(const CompiledHandlesParts& parts)
     : mesh_(&parts.mesh->parts()), responses_(parts.responses), slot_(parts.active_slot) {
@@ -72,12 +65,13 @@ bool NullSpaceSolver::AddSimilarity(std::span<const Complex> miss, ShapeView sha
     shape.x[v] += p.real();
     shape.y[v] += p.imag();
   }
-  for (Eigen::Index i = 0; i < k; ++i) {
-    const Eigen::Index column = columns_[static_cast<std::size_t>(i)];
-    const Complex lambda = solution[i];
-    AddColumn(responses_->similarity_real().col(column).data(), lambda, n, shape);
-    AddColumn(responses_->similarity_imag().col(column).data(), Complex(0, 1) * lambda, n, shape);
-  }
+  AddColumns(2 * rows_.size(), n, shape, [&](std::size_t i) -> ScaledColumn {
+    const Eigen::Index column = columns_[i / 2];
+    const Complex lambda = solution[static_cast<Eigen::Index>(i / 2)];
+    if (i % 2 == 0) return {responses_->similarity_real().col(column).data(), lambda};
+    return {responses_->similarity_imag().col(column).data(),
+            Complex(-lambda.imag(), lambda.real())};
+  });
   return true;
 }
 
@@ -107,10 +101,10 @@ void NullSpaceSolver::AddRigid(const double* solution, std::span<const Complex> 
   rigid_.Solve(scratch.rigid_x);
   rigid_.Solve(scratch.rigid_y);
   const auto &x = scratch.rigid_x.solution, &y = scratch.rigid_y.solution;
-  for (Eigen::Index i = 0; i < k; ++i) {
-    AddColumn(responses_->rigid().col(columns_[static_cast<std::size_t>(i)]).data(), {x[i], y[i]},
-              n, shape);
-  }
+  AddColumns(rows_.size(), n, shape, [&](std::size_t i) -> ScaledColumn {
+    const auto row = static_cast<Eigen::Index>(i);
+    return {responses_->rigid().col(columns_[i]).data(), {x[row], y[row]}};
+  });
   for (std::size_t v = 0; v < n; ++v) {
     const std::uint32_t c = mesh_->topology.vertex_component[v];
     if (c == kNone || slot_[c] == kNone) continue;

@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "core/deform/quality.h"
+#include "core/deform/stretch.h"
 #include "core/deform/registered_mesh.h"
-#include "core/energy/cell.h"
+#include "core/energy/cells.h"
 #include "core/mesh/topology.h"
 #include "core/sparse/factor.h"
 

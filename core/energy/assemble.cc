@@ -1,47 +1,131 @@
 #include "core/energy/assemble.h"
 
 #include <algorithm>
+#include <array>
 
 namespace arap {
 namespace {
 
-// One residual (v_b − v_a) − t(v) e as coefficients of the few vertices that it touches.
-class Residual {
+// The residuals (v_b − v_a) − t(v) e of one or a few cells, as rows over the vertices they touch.
+class Block {
  public:
-  void Start() { terms_.clear(); }
-  void Add(std::uint32_t vertex, Complex h) {
-    for (auto& [v, sum] : terms_) {
-      if (v == vertex) {
-        sum += h;
-        return;
-      }
-    }
-    terms_.emplace_back(vertex, h);
+  void Start(std::span<const std::uint32_t> vertices) {
+    vertices_.assign(vertices.begin(), vertices.end());
+    rows_.clear();
+    weights_.clear();
   }
-  std::span<const std::pair<std::uint32_t, Complex>> terms() const { return terms_; }
+  // A cell begins: its similarity is Σ of what Fit adds.
+  void StartCell() { similarity_.assign(vertices_.size(), 0); }
+  void Fit(std::size_t a, std::size_t b, Complex g) {
+    similarity_[b] += g;
+    similarity_[a] -= g;
+  }
+  void Compare(std::size_t a, std::size_t b, Complex rest, double weight) {
+    if (weight == 0) return;
+    weights_.push_back(weight);
+    for (const Complex h : similarity_) rows_.push_back(-h * rest);
+    Complex* row = rows_.data() + rows_.size() - vertices_.size();
+    row[b] += 1;
+    row[a] -= 1;
+  }
+
+  std::span<const std::uint32_t> vertices() const { return vertices_; }
+  std::size_t rows() const { return weights_.size(); }
+  double weight(std::size_t row) const { return weights_[row]; }
+  const Complex* row(std::size_t r) const { return rows_.data() + r * vertices_.size(); }
 
  private:
-  std::vector<std::pair<std::uint32_t, Complex>> terms_;
+  std::vector<std::uint32_t> vertices_;
+  std::vector<Complex> rows_, similarity_;
+  std::vector<double> weights_;
 };
 
-// Calls visit(weight, terms) for every energy edge of every cell.
-template <class Visit>
-void ForEachResidual(const Cells& cells, Visit visit) {
-  Residual residual;
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    for (std::uint32_t k = cells.energy_begin[c]; k < cells.energy_begin[c + 1]; ++k) {
-      const EnergyEdge& e = cells.energy[k];
-      residual.Start();
-      residual.Add(e.b, 1);
-      residual.Add(e.a, -1);
-      for (std::uint32_t m = cells.fit_begin[c]; m < cells.fit_begin[c + 1]; ++m) {
-        const Complex h = cells.fit[m].g * e.rest;
-        residual.Add(cells.fit[m].b, -h);
-        residual.Add(cells.fit[m].a, h);
-      }
-      visit(e.weight, residual.terms());
+std::uint32_t Id(std::int32_t vertex) { return static_cast<std::uint32_t>(vertex); }
+
+void FillHinge(const HingeTable& table, std::size_t h, Block& block) {
+  const bool boundary = table.right[h] == table.i[h];
+  const std::array<std::uint32_t, 4> ids{Id(table.i[h]), Id(table.j[h]), Id(table.left[h]),
+                                         Id(table.right[h])};
+  const std::size_t corners = boundary ? 3 : 4;
+  const std::array<Complex, 4> p{0, Complex(table.along_x[h], table.along_y[h]),
+                                 Complex(table.left_x[h], table.left_y[h]),
+                                 Complex(table.right_x[h], table.right_y[h])};
+  block.Start(std::span(ids).first(corners));
+  for (std::size_t from = 0; from < (table.both ? 2u : 1u); ++from) {
+    double size = 0;
+    for (std::size_t k = 0; k < corners; ++k) size += std::norm(p[k] - p[from]);
+    block.StartCell();
+    for (std::size_t k = 0; k < corners; ++k) {
+      if (k != from) block.Fit(from, k, std::conj(p[k] - p[from]) / size);
     }
+    block.Compare(from, 1 - from, p[1 - from] - p[from], table.weight[h]);
   }
+}
+
+void FillFace(const FaceTable& table, std::size_t t, Block& block) {
+  block.Start(std::array<std::uint32_t, 3>{Id(table.v0[t]), Id(table.v1[t]), Id(table.v2[t])});
+  const std::array<Complex, 3> p{0, Complex(table.e1_x[t], table.e1_y[t]),
+                                 Complex(table.e2_x[t], table.e2_y[t])};
+  const std::array<double, 3> w{table.weight0[t], table.weight1[t], table.weight2[t]};
+  double size = 0;
+  for (std::size_t k = 0; k < 3; ++k) size += w[k] * std::norm(p[(k + 2) % 3] - p[(k + 1) % 3]);
+  block.StartCell();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
+    block.Fit(a, b, w[k] * std::conj(p[b] - p[a]) / size);
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
+    block.Compare(a, b, p[b] - p[a], w[k]);
+  }
+}
+
+void FillStar(const StarTable& table, std::size_t s, Block& block) {
+  const auto spokes =
+      std::span(table.spokes).subspan(table.begin[s], table.begin[s + 1] - table.begin[s]);
+  std::vector<std::uint32_t> ids{spokes.front().a};
+  for (const Spoke& spoke : spokes) ids.push_back(spoke.b);
+  block.Start(ids);
+  block.StartCell();
+  for (std::size_t k = 0; k < spokes.size(); ++k) {
+    block.Fit(0, k + 1, spokes[k].weight * std::conj(spokes[k].rest) / table.size_of[s]);
+  }
+  for (std::size_t k = 0; k < spokes.size(); ++k) {
+    block.Compare(0, k + 1, spokes[k].rest, spokes[k].weight);
+  }
+}
+
+template <class Visit>
+void ForEachBlock(const Cells& cells, Visit visit) {
+  Block block;
+  for (std::size_t h = 0; h < cells.hinges.size(); ++h) {
+    FillHinge(cells.hinges, h, block);
+    visit(block);
+  }
+  for (std::size_t t = 0; t < cells.faces.size(); ++t) {
+    FillFace(cells.faces, t, block);
+    visit(block);
+  }
+  for (std::size_t s = 0; s < cells.stars.size(); ++s) {
+    FillStar(cells.stars, s, block);
+    visit(block);
+  }
+}
+
+// Calls visit(a, b, weight) for every energy edge.
+template <class Visit>
+void ForEachEnergyEdge(const Cells& cells, Visit visit) {
+  const HingeTable& h = cells.hinges;
+  for (std::size_t k = 0; k < h.size(); ++k) {
+    visit(Id(h.i[k]), Id(h.j[k]), h.both ? 2 * h.weight[k] : h.weight[k]);
+  }
+  const FaceTable& f = cells.faces;
+  for (std::size_t t = 0; t < f.size(); ++t) {
+    visit(Id(f.v1[t]), Id(f.v2[t]), f.weight0[t]);
+    visit(Id(f.v2[t]), Id(f.v0[t]), f.weight1[t]);
+    visit(Id(f.v0[t]), Id(f.v1[t]), f.weight2[t]);
+  }
+  for (const Spoke& s : cells.stars.spokes) visit(s.a, s.b, s.weight);
 }
 
 template <class Scalar>
@@ -61,16 +145,20 @@ Eigen::SparseMatrix<Scalar> FromTriplets(std::vector<Eigen::Triplet<Scalar, int>
 Eigen::SparseMatrix<Complex> AssembleSimilarity(const Cells& cells,
                                                 const std::vector<bool>& fixed) {
   std::vector<Eigen::Triplet<Complex, int>> triplets;
-  triplets.reserve(cells.energy.size() * 10 + fixed.size());
-  ForEachResidual(cells, [&](double weight, auto terms) {
-    for (const auto& [p, hp] : terms) {
-      if (fixed[p]) continue;
-      for (const auto& [q, hq] : terms) {
-        if (q > p || fixed[q]) continue;
-        // |h|² on the diagonal: conj(h)·h need not be exactly real.
-        const Complex value =
-            p == q ? Complex(weight * std::norm(hp)) : weight * std::conj(hp) * hq;
-        triplets.emplace_back(static_cast<int>(p), static_cast<int>(q), value);
+  triplets.reserve(cells.hinges.size() * 10 + cells.faces.size() * 6 + fixed.size());
+  ForEachBlock(cells, [&](const Block& block) {
+    const auto vertices = block.vertices();
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      if (fixed[vertices[i]]) continue;
+      for (std::size_t j = 0; j < vertices.size(); ++j) {
+        if (vertices[j] > vertices[i] || fixed[vertices[j]]) continue;
+        Complex sum = 0;
+        for (std::size_t r = 0; r < block.rows(); ++r) {
+          const Complex *row = block.row(r), p = row[i], q = row[j];
+          // |p|² on the diagonal: conj(p)·p need not be exactly real.
+          sum += block.weight(r) * (i == j ? Complex(std::norm(p)) : std::conj(p) * q);
+        }
+        triplets.emplace_back(static_cast<int>(vertices[i]), static_cast<int>(vertices[j]), sum);
       }
     }
   });
@@ -79,24 +167,31 @@ Eigen::SparseMatrix<Complex> AssembleSimilarity(const Cells& cells,
 
 Eigen::SparseMatrix<double> AssembleRigid(const Cells& cells, const std::vector<bool>& fixed) {
   std::vector<Eigen::Triplet<double, int>> triplets;
-  triplets.reserve(cells.energy.size() * 3 + fixed.size());
-  for (const EnergyEdge& e : cells.energy) {
-    if (!fixed[e.a]) triplets.emplace_back(static_cast<int>(e.a), static_cast<int>(e.a), e.weight);
-    if (!fixed[e.b]) triplets.emplace_back(static_cast<int>(e.b), static_cast<int>(e.b), e.weight);
-    if (fixed[e.a] || fixed[e.b]) continue;
-    const auto [low, high] = std::minmax(e.a, e.b);
-    triplets.emplace_back(static_cast<int>(high), static_cast<int>(low), -e.weight);
-  }
+  triplets.reserve(cells.hinges.size() * 3 + cells.faces.size() * 9 + fixed.size());
+  ForEachEnergyEdge(cells, [&](std::uint32_t a, std::uint32_t b, double weight) {
+    if (weight == 0) return;
+    if (!fixed[a]) triplets.emplace_back(static_cast<int>(a), static_cast<int>(a), weight);
+    if (!fixed[b]) triplets.emplace_back(static_cast<int>(b), static_cast<int>(b), weight);
+    if (fixed[a] || fixed[b]) return;
+    const auto [low, high] = std::minmax(a, b);
+    triplets.emplace_back(static_cast<int>(high), static_cast<int>(low), -weight);
+  });
   return FromTriplets(triplets, fixed);
 }
 
 std::vector<Complex> SimilarityColumn(const Cells& cells, std::size_t vertices,
                                       std::uint32_t vertex) {
   std::vector<Complex> column(vertices);
-  ForEachResidual(cells, [&](double weight, auto terms) {
-    for (const auto& [q, hq] : terms) {
-      if (q != vertex) continue;
-      for (const auto& [p, hp] : terms) column[p] += weight * std::conj(hp) * hq;
+  ForEachBlock(cells, [&](const Block& block) {
+    const auto ids = block.vertices();
+    const auto at = std::find(ids.begin(), ids.end(), vertex);
+    if (at == ids.end()) return;
+    const auto j = static_cast<std::size_t>(at - ids.begin());
+    for (std::size_t r = 0; r < block.rows(); ++r) {
+      const Complex* row = block.row(r);
+      for (std::size_t i = 0; i < ids.size(); ++i) {
+        column[ids[i]] += block.weight(r) * std::conj(row[i]) * row[j];
+      }
     }
   });
   return column;

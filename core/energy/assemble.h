@@ -6,7 +6,7 @@
 
 #include <Eigen/SparseCore>
 
-#include "core/energy/cell.h"
+#include "core/energy/cells.h"
 
 namespace arap {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -31,36 +32,36 @@ class Builder {
   // One cell per directed edge, half weight each; or only from the lower to the higher vertex.
   void AddEdgeCells(bool both) {
     const std::vector<double> weights = EdgeWeights();
-    for (std::size_t e = 0; e < topology_.edges.size(); ++e) {
-      const Edge& edge = topology_.edges[e];
-      if (both) {
-        AddEdgeCell(edge, edge.v0, edge.v1, 0.5 * weights[e]);
-        AddEdgeCell(edge, edge.v1, edge.v0, 0.5 * weights[e]);
-      } else {
-        AddEdgeCell(edge, edge.v0, edge.v1, weights[e]);
-      }
+    HingeTable& hinges = system_.cells.hinges;
+    hinges.both = both;
+    const auto first = [&](std::uint32_t e) { return topology_.edges[e].v0; };
+    for (const std::uint32_t e : ByComponent(topology_.edges.size(), first)) {
+      AddHinge(topology_.edges[e], both ? 0.5 * weights[e] : weights[e]);
+      Extend(hinges.runs, hinges.size(), first(e));
     }
   }
 
   void AddFaceCells() {
-    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-      const Triangle& c = triangles_[t];
+    FaceTable& faces = system_.cells.faces;
+    const auto first = [&](std::uint32_t t) { return triangles_[t][0]; };
+    for (const std::uint32_t t : ByComponent(triangles_.size(), first)) {
       const auto p = frame_(t);
-      std::array<CellEdge, 3> edges;
+      double w[3];
       for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
         const double weight =
             options_.weights == Weights::kUniform ? 0.5 : 0.5 * Cotangent(p[i] - p[k], p[j] - p[k]);
-        edges[k] = {c[i], c[j], p[j] - p[i], weight * Rigidity(options_, t)};
+        w[k] = weight * Rigidity(options_, t);
       }
-      system_.cells.Add(edges, edges);
+      faces.Add(triangles_[t], p[1] - p[0], p[2] - p[0], w);
+      Extend(faces.runs, faces.size(), first(t));
     }
   }
 
   // One cell per vertex: its spokes, which each share with the cell at the other end.
   void AddVertexCells() {
     const std::vector<double> weights = EdgeWeights();
-    std::vector<std::vector<CellEdge>> spokes(topology_.vertex_component.size());
+    std::vector<std::vector<Spoke>> spokes(topology_.vertex_component.size());
     for (std::size_t e = 0; e < topology_.edges.size(); ++e) {
       const Edge& edge = topology_.edges[e];
       const Complex rest = RestVector(edge);
@@ -68,25 +69,53 @@ class Builder {
       spokes[edge.v1].push_back({edge.v1, edge.v0, -rest, 0.5 * weights[e]});
     }
     for (const auto& star : spokes) {
-      if (!star.empty()) system_.cells.Add(star, star);
+      if (!star.empty()) AddStar(star);
     }
   }
 
   void WeldJoints() {
     for (const std::uint32_t joint : topology_.joints) {
-      std::vector<CellEdge> spokes;
+      std::vector<Spoke> spokes;
       for (const Edge& edge : topology_.edges) {
         const Complex rest = RestVector(edge);
         if (edge.v0 == joint) spokes.push_back({edge.v0, edge.v1, rest, 0.5});
         if (edge.v1 == joint) spokes.push_back({edge.v1, edge.v0, -rest, 0.5});
       }
-      system_.cells.Add(spokes, spokes);
+      AddStar(spokes);
     }
   }
 
   CellSystem Take() { return std::move(system_); }
 
  private:
+  // The numbers below `count`, those of one component together, otherwise in order.
+  template <class VertexOf>
+  std::vector<std::uint32_t> ByComponent(std::size_t count, VertexOf vertex_of) const {
+    std::vector<std::uint32_t> order(count);
+    std::iota(order.begin(), order.end(), 0u);
+    if (topology_.components > 1) {
+      std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return topology_.vertex_component[vertex_of(a)] < topology_.vertex_component[vertex_of(b)];
+      });
+    }
+    return order;
+  }
+
+  // Counts the last cell of a table, which holds `vertex`, to the run of its component.
+  void Extend(std::vector<CellRun>& runs, std::size_t size, std::uint32_t vertex) const {
+    const std::uint32_t component = topology_.vertex_component[vertex];
+    if (runs.empty() || runs.back().component != component) {
+      runs.push_back({size - 1, size - 1, component});
+    }
+    runs.back().end = size;
+  }
+
+  void AddStar(const std::vector<Spoke>& star) {
+    StarTable& stars = system_.cells.stars;
+    stars.Add(star);
+    Extend(stars.runs, stars.size(), star.front().a);
+  }
+
   // From v0 to v1 in the frame of the edge's first triangle.
   Complex RestVector(const Edge& edge) const {
     const Triangle& c = triangles_[edge.triangle[0]];
@@ -124,27 +153,26 @@ class Builder {
     return weights;
   }
 
-  // The hinge of i→j: each triangle keeps its own side of the edge, the one its orientation says.
-  void AddEdgeCell(const Edge& edge, std::uint32_t i, std::uint32_t j, double weight) {
-    std::array<CellEdge, 3> fit;
-    std::size_t count = 0;
-    Complex along;  // v_j − v_i in the frame of the first triangle; later triangles turn onto it
+  // The hinge of an edge: each triangle keeps its own side, the one its orientation says, and the
+  // second is laid against the edge of the first.
+  void AddHinge(const Edge& edge, double weight) {
+    const std::uint32_t i = edge.v0, j = edge.v1;
+    std::array<Complex, 2> opposite{0, 0};
+    Complex along = 0;
     for (std::size_t side = 0; side < 2 && edge.triangle[side] != kNone; ++side) {
       const Triangle& c = triangles_[edge.triangle[side]];
       const auto p = frame_(edge.triangle[side]);
       const std::size_t ci = CornerOf(c, i);
       const Complex ij = p[CornerOf(c, j)] - p[ci];
-      Complex opposite = p[CornerOf(c, edge.opposite[side])] - p[ci];
+      opposite[side] = p[CornerOf(c, edge.opposite[side])] - p[ci];
       if (side == 0) {
         along = ij;
-        fit[count++] = {i, j, along, 1.0};
       } else {
-        opposite *= along * std::conj(ij) / std::norm(ij);
+        opposite[side] *= along * std::conj(ij) / std::norm(ij);
       }
-      fit[count++] = {i, edge.opposite[side], opposite, 1.0};
     }
-    const std::array<CellEdge, 1> energy{CellEdge{i, j, along, weight}};
-    system_.cells.Add(std::span(fit).first(count), energy);
+    system_.cells.hinges.Add(i, j, edge.opposite[0], edge.boundary() ? i : edge.opposite[1], along,
+                             opposite[0], opposite[1], weight);
   }
 
   const std::vector<Triangle>& triangles_;

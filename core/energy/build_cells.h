@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "core/base/result.h"
-#include "core/energy/cell.h"
+#include "core/energy/cells.h"
 #include "core/energy/options.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/topology.h"

@@ -65,8 +65,7 @@ class Flattener {
     for (int step = 0; step < times; ++step) {
       if (auto ok = cancel.Check(); !ok) return ok;
       std::fill(right.begin(), right.end(), 0.0);
-      AddRotatedEdges(cells, {v.data(), v.data() + n}, mean, component_,
-                      {right.data(), right.data() + n});
+      AddRotatedEdges(cells, {v.data(), v.data() + n}, mean, {right.data(), right.data() + n});
       for (std::size_t i = 0; i < n; ++i) {
         if (fixed[i]) right[i] = right[n + i] = 0;
       }

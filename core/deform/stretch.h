@@ -1,7 +1,7 @@
-// ShapeQuality of a shape: what every answer says about itself.
+// Stretch: how far the triangles of a deformed shape are from rigid, and which ones are flipped.
 #pragma once
 
-#include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -24,14 +24,15 @@ class StretchTable {
   Stretch Measure(const PlanarMesh& mesh, std::span<const Complex> positions,
                   double diagonal) const;
 
- private:
   // The map of a triangle is z ↦ αz + βz̄ with α = a1 E1 + a2 E2 and β = ā1 E1 + ā2 E2, where E1, E2
-  // are its deformed edge vectors. Its singular values are |α| ± |β|.
-  struct Entry {
-    Complex a1, a2;
-    double area;  // as a fraction of the whole
+  // are its deformed edge vectors. Its singular values are |α| ± |β|. Columns, #F.
+  struct Columns {
+    std::vector<double> a1_x, a1_y, a2_x, a2_y;
+    std::vector<double> area;  // as a fraction of the whole
   };
-  std::vector<Entry> entries_;
+
+ private:
+  Columns columns_;
 };
 
 // Whether a triangle of `positions` runs clockwise.

@@ -1,0 +1,24 @@
+// Wide: two machine codes for one hot loop, chosen at run time.
+//
+// Write the loop as an ARAP_WIDE_BODY function, make its wide twin with ARAP_WIDE, and call the
+// twin when HasWide(). No fused multiply-add and no reassociation: the twins agree to the last bit.
+#pragma once
+
+namespace arap {
+
+#if defined(__x86_64__) && defined(__GNUC__)
+#define ARAP_WIDE_BODY [[gnu::always_inline]] inline
+#define ARAP_WIDE(body, twin, parameters, arguments) \
+  [[gnu::target("avx2")]] void twin parameters { body arguments; }
+inline bool HasWide() {
+  static const bool has = __builtin_cpu_supports("avx2") != 0;
+  return has;
+}
+#else
+#define ARAP_WIDE_BODY inline
+#define ARAP_WIDE(body, twin, parameters, arguments) \
+  void twin parameters { body arguments; }
+inline bool HasWide() { return false; }
+#endif
+
+}  // namespace arap

@@ -1,0 +1,79 @@
+// Cells: the pieces of a mesh that have one best similarity each [algorithm §3].
+//
+// Every cell has fit edges, which decide its similarity t, and energy edges, which are compared
+// with it. Rest vectors are in the cell's own frame, so that cells of a planar mesh and hinges of a
+// surface laid flat one by one are the same thing. A table keeps one kind of cell in columns of
+// numbers: what the local step reads, it reads once and in order.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/mesh/mesh.h"
+
+namespace arap {
+
+// Cells [begin, end) of one table that lie on one component of the mesh.
+struct CellRun {
+  std::size_t begin = 0, end = 0;
+  std::uint32_t component = 0;
+};
+
+// EDGE cells. A row is an edge i—j with its opposite vertices and stands for the cell i→j and,
+// when `both`, also for j→i; each fits the edge and the edges from its first vertex to the opposite
+// ones, all with weight 1, and compares the edge alone.
+struct HingeTable {
+  bool both = true;
+  std::vector<std::int32_t> i, j, left, right;  // #H; right is i at a boundary
+  // From i in the hinge's frame: to j, to left, to right (0 at a boundary).
+  std::vector<double> along_x, along_y, left_x, left_y, right_x, right_y;
+  std::vector<double> weight;  // of each cell
+  std::vector<CellRun> runs;
+
+  std::size_t size() const { return i.size(); }
+  void Add(std::uint32_t from, std::uint32_t to, std::uint32_t left_vertex,
+           std::uint32_t right_vertex, Complex to_j, Complex to_left, Complex to_right, double w);
+};
+
+// FACE cells: a triangle fits and compares its three edges. Weight k belongs to the edge opposite
+// corner k.
+struct FaceTable {
+  std::vector<std::int32_t> v0, v1, v2;        // #T
+  std::vector<double> e1_x, e1_y, e2_x, e2_y;  // from corner 0 to corners 1 and 2
+  std::vector<double> weight0, weight1, weight2;
+  std::vector<CellRun> runs;
+
+  std::size_t size() const { return v0.size(); }
+  void Add(const Triangle& triangle, Complex to_1, Complex to_2, const double (&w)[3]);
+};
+
+// An edge of a star, from its middle.
+struct Spoke {
+  std::uint32_t a = 0, b = 0;
+  Complex rest;  // p_b − p_a
+  double weight = 0;
+};
+
+// VERTEX cells, and those that weld pieces meeting in a single vertex: a star fits and compares its
+// spokes. Compressed rows: star s has spokes [begin[s], begin[s+1]).
+struct StarTable {
+  std::vector<std::uint32_t> begin{0};
+  std::vector<Spoke> spokes;
+  std::vector<double> size_of;  // Σ w |rest|²
+  std::vector<CellRun> runs;
+
+  std::size_t size() const { return size_of.size(); }
+  void Add(std::span<const Spoke> star);
+};
+
+struct Cells {
+  HingeTable hinges;
+  FaceTable faces;
+  StarTable stars;
+
+  std::size_t bytes() const;
+};
+
+}  // namespace arap
