@@ -10,10 +10,7 @@ namespace arap {
 #define ARAP_WIDE_BODY [[gnu::always_inline]] inline
 #define ARAP_WIDE(body, twin, parameters, arguments) \
   [[gnu::target("avx2")]] void twin parameters { body arguments; }
-inline bool HasWide() {
-  static const bool has = __builtin_cpu_supports("avx2") != 0;
-  return has;
-}
+inline bool HasWide() { return __builtin_cpu_supports("avx2") != 0; }
 #else
 #define ARAP_WIDE_BODY inline
 #define ARAP_WIDE(body, twin, parameters, arguments) \

@@ -9,6 +9,7 @@ ARAP_WIDE_BODY void AddFour(const ScaledColumn* c, std::size_t begin, std::size_
                             double* y) {
   const double *z0 = c[0].values, *z1 = c[1].values, *z2 = c[2].values, *z3 = c[3].values;
   const Complex f0 = c[0].factor, f1 = c[1].factor, f2 = c[2].factor, f3 = c[3].factor;
+#pragma GCC ivdep
   for (std::size_t v = begin; v < end; ++v) {
     x[v] += (z0[v] * f0.real() + z1[v] * f1.real()) + (z2[v] * f2.real() + z3[v] * f3.real());
     y[v] += (z0[v] * f0.imag() + z1[v] * f1.imag()) + (z2[v] * f2.imag() + z3[v] * f3.imag());

@@ -17,12 +17,16 @@ using Column = std::array<double, kBlock>;
 ARAP_WIDE_BODY void MeasureBlock(const StretchTable::Columns& table, const Triangle* triangles,
                                  const double* positions, double unit, std::size_t begin,
                                  std::size_t count, Column& worst, Column& twice_area) {
+#pragma GCC ivdep
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t t = begin + k;
-    const double *p = positions + 2 * std::size_t{triangles[t][0]},
-                 *q = positions + 2 * std::size_t{triangles[t][1]},
-                 *r = positions + 2 * std::size_t{triangles[t][2]};
-    const double e1x = q[0] - p[0], e1y = q[1] - p[1], e2x = r[0] - p[0], e2y = r[1] - p[1];
+    // Signed numbers, because the wide loads want signed offsets.
+    const auto i = static_cast<std::int32_t>(triangles[t][0]),
+               j = static_cast<std::int32_t>(triangles[t][1]),
+               l = static_cast<std::int32_t>(triangles[t][2]);
+    const double px = positions[2 * i], py = positions[2 * i + 1];
+    const double e1x = positions[2 * j] - px, e1y = positions[2 * j + 1] - py;
+    const double e2x = positions[2 * l] - px, e2y = positions[2 * l + 1] - py;
     const double a1x = table.a1_x[t], a1y = table.a1_y[t];
     const double a2x = table.a2_x[t], a2y = table.a2_y[t];
     const double ax = (a1x * e1x - a1y * e1y) + (a2x * e2x - a2y * e2y);

@@ -57,6 +57,7 @@ template <bool kBoth>
 ARAP_WIDE_BODY void HingeForcesOf(const HingeTable& table, std::size_t begin, std::size_t count,
                                   ConstShapeView v, Complex mean, Complex fallback, KernelColumn& x,
                                   KernelColumn& y) {
+#pragma GCC ivdep
   for (std::size_t k = 0; k < count; ++k) {
     const HingeTurn t = TurnHinge<kBoth>(table, begin + k, v, mean, fallback);
     const double w = table.weight[begin + k];
@@ -85,6 +86,7 @@ ARAP_WIDE_BODY double Residual(double dx, double dy, double tx, double ty, doubl
 template <bool kBoth>
 ARAP_WIDE_BODY void HingeEnergiesOf(const HingeTable& table, std::size_t begin, std::size_t count,
                                     ConstShapeView v, KernelColumn& energy) {
+#pragma GCC ivdep
   for (std::size_t k = 0; k < count; ++k) {
     const HingeTurn t = TurnHinge<kBoth>(table, begin + k, v, 0, 1);
     double sum = Residual(t.edge_x, t.edge_y, t.x1, t.y1, t.along_x, t.along_y);
@@ -128,6 +130,7 @@ ARAP_WIDE_BODY FaceTurn TurnFace(const FaceTable& table, std::size_t k, ConstSha
 ARAP_WIDE_BODY void FaceTurns(const FaceTable& table, std::size_t begin, std::size_t count,
                               ConstShapeView v, Complex mean, Complex fallback, KernelColumn& x,
                               KernelColumn& y) {
+#pragma GCC ivdep
   for (std::size_t k = 0; k < count; ++k) {
     const FaceTurn t = TurnFace(table, begin + k, v, mean, fallback);
     x[k] = t.x;
@@ -137,6 +140,7 @@ ARAP_WIDE_BODY void FaceTurns(const FaceTable& table, std::size_t begin, std::si
 
 ARAP_WIDE_BODY void FaceEnergies(const FaceTable& table, std::size_t begin, std::size_t count,
                                  ConstShapeView v, KernelColumn& energy) {
+#pragma GCC ivdep
   for (std::size_t k = 0; k < count; ++k) {
     const FaceTurn t = TurnFace(table, begin + k, v, 0, 1);
     energy[k] = table.weight2[begin + k] * Residual(t.dax, t.day, t.x, t.y, t.ax, t.ay) +
