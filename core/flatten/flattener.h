@@ -1,12 +1,15 @@
-// Flattening: a disk-like surface laid in the plane, as rigidly as possible [II09 §7].
+// Flattening: a surface cut into charts, every chart laid in the plane, as rigidly as possible
+// [II09 §7].
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/base/cancel.h"
 #include "core/base/result.h"
+#include "core/cut/cut_surface.h"
 #include "core/energy/options.h"
 #include "core/flatten/distortion.h"
 #include "core/mesh/mesh.h"
@@ -14,28 +17,78 @@
 
 namespace arap {
 
-struct FlattenOptions {
-  EnergyOptions energy{Basis::kEdge, Weights::kCotangent, {}};
-  int refine =
-      0;  // local/global iterations with FACE cells and cotangent weights; 0…kMaxFlattenRefine
-  MeshLimits limits;
+enum class FlattenMethod {
+  kArap,       // both steps with the basis of the energy [II09 §7]
+  kFirstStep,  // the first step alone; with FACE cells and cotangent weights this is LSCM
+  kAbf,        // angle-based flattening, laid out by least squares
+};
+
+enum class FlattenAnchors {
+  kCentreEdge,   // the edge nearest to the area centroid, at its true length [II09 §7]
+  kFarBoundary,  // two boundary vertices far from each other, at their distance in space
+  kSpectral,     // none: least energy for a given spread of the boundary, scaled to the true area
+};
+
+// A vertex (all its copies) held at `uv`, in the units of the input. Weight 0: exactly.
+struct UvPin {
+  std::uint32_t vertex = 0;
+  Complex uv;
+  double weight = 0;  // on the squared distance, up to kMaxPinWeight
+};
+
+// The direction from one vertex to another of the same chart, radians from the u axis.
+struct GrainLine {
+  std::uint32_t from = 0, to = 0;
+  double angle = 0;
 };
 
 inline constexpr int kMaxFlattenRefine = 1000;
+inline constexpr double kMaxPinWeight = 1e9;
 
-struct Flattening {
-  std::vector<Complex> first_step;  // #V, after the first step (Fig. 6a); unit of the input
-  std::vector<Complex> uv;          // #V, the answer; true to size
-  std::vector<std::array<double, 2>> singular_values;  // #F, s1 >= |s2|, s2 negative when flipped
-  Distortion distortion;                               // of uv
-  std::array<std::uint32_t, 2> anchors{};              // the centre edge that fixes the first step
-  std::vector<Warning> warnings;
-  std::vector<Triangle> triangles;  // as flattened: turned to agree
+struct FlattenOptions {
+  FlattenMethod method = FlattenMethod::kArap;
+  EnergyOptions energy{Basis::kFace, Weights::kCotangent, {}};  // rigidity per input triangle
+  FlattenAnchors anchors = FlattenAnchors::kSpectral;
+  // At most so many local/global iterations with FACE cells and cotangent weights, which descend
+  // the energy that is reported; they end when one lowers it by less than `refine_stop` of it.
+  int refine = 0;
+  double refine_stop = 0;
+  bool injective = false;  // no flipped triangle, or kNotInjective
+  CutOptions cut;
+  std::vector<UvPin> pins;
+  std::vector<GrainLine> grain_lines;
 };
 
-// Stateless, thread-safe. Faults: those of ValidateSurface, kNotADisk (which says what it is
-// instead), kInvalidOption, kNumerical, and whatever `cancel` answers between the phases.
-// Unreferenced vertices get the uv (0, 0) and a warning.
+// One connected piece of the layout. Indices are into Flattening::uv.
+struct FlatChart {
+  std::vector<std::vector<std::uint32_t>> loops;  // ordered boundaries, the longest first
+  std::vector<std::uint32_t> anchors;             // two, or none with pins or kSpectral
+  std::size_t triangles = 0;
+  Distortion distortion;
+  std::size_t crossings = 0;  // pairs of boundary segments that cross, counted up to a cap
+  int refinements = 0;        // iterations taken
+};
+
+struct Flattening {
+  std::vector<Complex> uv;                        // #U; true to size
+  std::vector<std::uint32_t> source;              // #U, input vertices; the first #V in order
+  std::vector<std::array<std::uint32_t, 3>> corner_uv;  // #F, in the order of the input's corners
+  std::vector<std::uint32_t> triangle_chart;      // #F
+  std::vector<FlatChart> charts;                  // by lowest triangle
+  std::vector<Complex> first_step;                // #U, after the first step (Fig. 6a)
+  // #F, s1 >= |s2|, s2 negative when flipped; 0 0 for a triangle left out.
+  std::vector<std::array<double, 2>> singular_values;
+  Distortion distortion;  // of all charts
+  bool overlaps = false;  // boundaries cross within a chart or between charts
+  std::vector<std::array<std::uint32_t, 2>> cuts;  // input vertex pairs: seams, automatic cuts
+  std::size_t auto_cuts = 0;                       // how many of `cuts`, at the end, are automatic
+  std::vector<std::uint32_t> degenerate;           // triangles left out
+  std::vector<Warning> warnings;
+};
+
+// Stateless, thread-safe. Faults: those of CutToCharts and CheckEnergyOptions, kInvalidOption (pins
+// and grain lines by their field), kNotInjective, kNumerical, and whatever `cancel` answers between
+// the phases and in the long loops. Unreferenced vertices get the uv (0, 0) and a warning.
 Result<Flattening> Flatten(SurfaceMesh mesh, const FlattenOptions& options,
                            const CancelToken& cancel = {});
 
