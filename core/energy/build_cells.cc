@@ -26,8 +26,13 @@ std::size_t CornerOf(const Triangle& triangle, std::uint32_t vertex) {
 class Builder {
  public:
   Builder(const std::vector<Triangle>& triangles, const Topology& topology,
-          const EnergyOptions& options, const TriangleFrame& frame)
-      : triangles_(triangles), topology_(topology), options_(options), frame_(frame) {}
+          const EnergyOptions& options, const TriangleFrame& frame,
+          const std::vector<bool>& left_out)
+      : triangles_(triangles),
+        topology_(topology),
+        options_(options),
+        frame_(frame),
+        left_out_(left_out) {}
 
   // One cell per directed edge, half weight each; or only from the lower to the higher vertex.
   void AddEdgeCells(bool both) {
@@ -49,8 +54,12 @@ class Builder {
       double w[3];
       for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
-        const double weight =
-            options_.weights == Weights::kUniform ? 0.5 : 0.5 * Cotangent(p[i] - p[k], p[j] - p[k]);
+        double weight = 0.5;
+        if (LeftOut(t)) {
+          weight = 0.5 * kMinCotangent;
+        } else if (options_.weights == Weights::kCotangent) {
+          weight = 0.5 * Cotangent(p[i] - p[k], p[j] - p[k]);
+        }
         w[k] = weight * Rigidity(options_, t);
       }
       faces.Add(triangles_[t], p[1] - p[0], p[2] - p[0], w);
@@ -88,6 +97,8 @@ class Builder {
   CellSystem Take() { return std::move(system_); }
 
  private:
+  bool LeftOut(std::uint32_t t) const { return !left_out_.empty() && left_out_[t]; }
+
   // The numbers below `count`, those of one component together, otherwise in order.
   template <class VertexOf>
   std::vector<std::uint32_t> ByComponent(std::size_t count, VertexOf vertex_of) const {
@@ -134,7 +145,7 @@ class Builder {
       for (std::size_t side = 0; side < sides; ++side) {
         const std::uint32_t t = edge.triangle[side];
         rigidity += Rigidity(options_, t) / static_cast<double>(sides);
-        if (options_.weights == Weights::kUniform) continue;
+        if (options_.weights == Weights::kUniform || LeftOut(t)) continue;
         const auto p = frame_(t);
         const std::size_t k = CornerOf(triangles_[t], edge.opposite[side]);
         const double cot = 0.5 * Cotangent(p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
@@ -179,6 +190,7 @@ class Builder {
   const Topology& topology_;
   const EnergyOptions& options_;
   const TriangleFrame& frame_;
+  const std::vector<bool>& left_out_;
   CellSystem system_;
 };
 
@@ -213,8 +225,8 @@ Status CheckEnergyOptions(const EnergyOptions& options, std::size_t triangles) {
 }
 
 Result<CellSystem> BuildCells(const std::vector<Triangle>& triangles, const Topology& topology,
-                              const EnergyOptions& options, const TriangleFrame& frame,
-                              bool planar) {
+                              const EnergyOptions& options, const TriangleFrame& frame, bool planar,
+                              const std::vector<bool>& left_out) {
   if (auto ok = CheckEnergyOptions(options, triangles.size()); !ok) return Fail(ok.error());
   if (options.basis == Basis::kVertex && !planar) {
     return Fail(Fault{FaultKind::kInvalidOption,
@@ -223,7 +235,7 @@ Result<CellSystem> BuildCells(const std::vector<Triangle>& triangles, const Topo
                       {},
                       "energy.basis"});
   }
-  Builder builder(triangles, topology, options, frame);
+  Builder builder(triangles, topology, options, frame, left_out);
   switch (options.basis) {
     case Basis::kEdge:
       builder.AddEdgeCells(true);

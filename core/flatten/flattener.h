@@ -70,12 +70,12 @@ struct FlatChart {
 };
 
 struct Flattening {
-  std::vector<Complex> uv;                        // #U; true to size
-  std::vector<std::uint32_t> source;              // #U, input vertices; the first #V in order
+  std::vector<Complex> uv;                              // #U; true to size
+  std::vector<std::uint32_t> source;                    // #U, input vertices; the first #V in order
   std::vector<std::array<std::uint32_t, 3>> corner_uv;  // #F, in the order of the input's corners
-  std::vector<std::uint32_t> triangle_chart;      // #F
-  std::vector<FlatChart> charts;                  // by lowest triangle
-  std::vector<Complex> first_step;                // #U, after the first step (Fig. 6a)
+  std::vector<std::uint32_t> triangle_chart;            // #F
+  std::vector<FlatChart> charts;                        // by lowest triangle
+  std::vector<Complex> first_step;                      // #U, after the first step (Fig. 6a)
   // #F, s1 >= |s2|, s2 negative when flipped; 0 0 for a triangle left out.
   std::vector<std::array<double, 2>> singular_values;
   Distortion distortion;  // of all charts

@@ -1,0 +1,65 @@
+#include "core/flatten/anchors.h"
+
+#include <limits>
+
+namespace arap {
+namespace {
+
+// Symmetric surfaces have several places at one distance; rounding must not choose among them.
+constexpr double kTie = 1e-9;
+// Part of the diagonal below which an edge has no direction.
+constexpr double kNoLength = 1e-9;
+
+Eigen::Vector3d Centroid(const SurfaceMesh& mesh) {
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+  double area = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Eigen::Vector3d &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]],
+                          &c = mesh.vertices[t[2]];
+    const double weight = (b - a).cross(c - a).norm();
+    centroid += weight / 3 * (a + b + c);
+    area += weight;
+  }
+  return centroid / area;
+}
+
+std::uint32_t FarthestOnBoundary(const Chart& chart, const Eigen::Vector3d& from) {
+  std::uint32_t best = chart.loops.front().front();
+  double farthest = -1;
+  for (const auto& loop : chart.loops) {
+    for (const std::uint32_t v : loop) {
+      const double distance = (chart.mesh.vertices[v] - from).squaredNorm();
+      if (distance > farthest + kTie) best = v, farthest = distance;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::array<std::uint32_t, 2> CentreEdge(const Chart& chart) {
+  const SurfaceMesh& mesh = chart.mesh;
+  const Eigen::Vector3d centroid = Centroid(mesh);
+  const Edge* best = nullptr;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Edge& edge : chart.topology.edges) {
+    const Eigen::Vector3d &a = mesh.vertices[edge.v0], &b = mesh.vertices[edge.v1];
+    if ((b - a).squaredNorm() < kNoLength * kNoLength) continue;
+    const double distance = (0.5 * (a + b) - centroid).squaredNorm();
+    if (distance < nearest - kTie) best = &edge, nearest = distance;
+  }
+  if (best == nullptr) best = &chart.topology.edges.front();
+  return {best->v0, best->v1};
+}
+
+std::array<std::uint32_t, 2> FarBoundaryPair(const Chart& chart) {
+  const std::uint32_t a = FarthestOnBoundary(chart, Centroid(chart.mesh));
+  return {a, FarthestOnBoundary(chart, chart.mesh.vertices[a])};
+}
+
+Held HoldAtDistance(const Chart& chart, const std::array<std::uint32_t, 2>& anchors) {
+  const auto& p = chart.mesh.vertices;
+  return {{{anchors[0], 0, 0}, {anchors[1], (p[anchors[1]] - p[anchors[0]]).norm(), 0}}};
+}
+
+}  // namespace arap
