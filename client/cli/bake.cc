@@ -1,11 +1,15 @@
 // arapctl bake: a whole track to shapes.
 #include <algorithm>
+#include <functional>
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "client/cli/commands.h"
+#include "client/cli/edit_times.h"
 #include "client/cli/report.h"
 #include "client/cli/shapes_file.h"
 #include "client/cli/stage.h"
@@ -30,36 +34,74 @@ struct Totals {
   }
 };
 
-std::vector<client::TrackFrame> Frames(const Track& track) {
+std::vector<client::TrackFrame> FramesOf(const Track& track, const TrackSegment& segment) {
   std::vector<client::TrackFrame> frames;
-  for (const TrackFrame& frame : track.frames)
+  for (std::size_t i = segment.first; i < segment.end; ++i) {
+    const TrackFrame& frame = track.frames[i];
     frames.push_back({frame.targets, frame.angles, frame.scales});
+  }
   return frames;
+}
+
+Result<EditTimes> Edit(const Stage& stage, const TrackEdit& edit, bool hard) {
+  const auto edited = stage.session().EditHandles(kHandleSet, edit.remove,
+                                                  ToHandles(stage.track(), edit.add, hard));
+  if (!edited) {
+    Fault fault = edited.error();
+    fault.message = fmt::format("edit before frame {}: {}", edit.frame, fault.message);
+    return Fail(std::move(fault));
+  }
+  PrintWarnings(edited->handle_set.warnings);
+  return EditTimes{edit.frame,           edit.remove.size(),   edit.add.size(),
+                   edited->queue_micros, edited->solve_micros, 0};
+}
+
+// Bakes the frames of a segment; `on_shape` gets their numbers in the track.
+Status BakeSegment(const Stage& stage, const TrackSegment& segment,
+                   const client::DeformOptions& deform,
+                   const std::function<void(std::size_t, const client::Shape&)>& on_shape) {
+  Status baked =
+      stage.session().DeformTrack(kHandleSet, segment.ids, FramesOf(stage.track(), segment), deform,
+                                  [&](const client::Shape& shape) {
+                                    on_shape(segment.first + shape.sequence, shape);
+                                    return true;
+                                  });
+  if (!baked && segment.first > 0) {
+    Fault& fault = baked.error();
+    fault.message = fmt::format("counted from frame {}: {}", segment.first, fault.message);
+  }
+  return baked;
 }
 
 Status Bake(const StageOptions& options) {
   const Result<Stage> stage = Stage::Open(options);
   if (!stage) return Fail(stage.error());
   const client::PlanarMesh& mesh = stage->mesh();
+  const Track& track = stage->track();
   ShapesFile shapes(options.out, mesh.vertex_count());
   FilmMaker film(options, *stage);
   Totals totals;
+  std::vector<EditTimes> edits;
   client::DeformOptions deform = options.deform;
   deform.float64 = true;
-  Status baked;
   {
-    Progress progress("frame", stage->track().frames.size());
-    baked =
-        stage->session().DeformTrack(kHandleSet, HandleIds(stage->track()), Frames(stage->track()),
-                                     deform, [&](client::Shape&& shape) {
-                                       shapes.Write(shape.sequence, shape.positions);
-                                       film.Add(shape.sequence, shape);
-                                       totals.Add(shape);
-                                       progress.Step();
-                                       return true;
-                                     });
+    Progress progress("frame", track.frames.size());
+    for (const TrackSegment& segment : SegmentsOf(track)) {
+      if (segment.edit != nullptr) {
+        const Result<EditTimes> edited = Edit(*stage, *segment.edit, options.hard);
+        if (!edited) return Fail(edited.error());
+        edits.push_back(*edited);
+      }
+      const Status baked =
+          BakeSegment(*stage, segment, deform, [&](std::size_t frame, const client::Shape& shape) {
+            shapes.Write(frame, shape.positions);
+            film.Add(frame, shape);
+            totals.Add(shape);
+            progress.Step();
+          });
+      if (!baked) return baked;
+    }
   }
-  if (!baked) return baked;
   if (Status closed = shapes.Close(); !closed) return closed;
   const double mean_solve =
       totals.frames > 0 ? totals.solve_micros / static_cast<double>(totals.frames) : 0;
@@ -67,11 +109,12 @@ Status Bake(const StageOptions& options) {
       "{} frames, {} vertices, {} triangles, {} handles; {:.0f} µs per frame; {} frames with "
       "flips; "
       "largest stretch {:.3g}",
-      totals.frames, mesh.vertex_count(), mesh.triangle_count(), stage->track().handles.size(),
-      mean_solve, totals.frames_with_flips, totals.max_stretch);
+      totals.frames, mesh.vertex_count(), mesh.triangle_count(), track.handles.size(), mean_solve,
+      totals.frames_with_flips, totals.max_stretch);
   fmt::print("{}\nregistered in {:.1f} ms, compiled in {:.1f} ms, worst handle error {:.3g}\n",
              caption, stage->register_micros() / 1000, stage->compile_micros() / 1000,
              totals.worst_handle_error);
+  for (const EditTimes& edit : edits) fmt::print("{}\n", Describe(edit));
   return film.Write(caption);
 }
 

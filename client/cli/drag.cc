@@ -1,13 +1,16 @@
 // arapctl drag: a track through a live stream, as an interactive client would.
+#include <istream>
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "client/cli/commands.h"
 #include "client/cli/drag_loop.h"
+#include "client/cli/drag_report.h"
 #include "client/cli/percentiles.h"
 #include "client/cli/report.h"
 #include "client/cli/shapes_file.h"
@@ -17,34 +20,37 @@
 namespace arap::cli {
 namespace {
 
+// X,Y on the command line. Not an aggregate: CLI11 would make one of a single number.
+struct PickPoint {
+  PickPoint() = default;
+
+  double x = 0, y = 0;
+};
+
+std::istream& operator>>(std::istream& in, PickPoint& point) {
+  char comma = 0;
+  in >> point.x >> comma >> point.y;
+  if (comma != ',') in.setstate(std::ios::failbit);
+  return in;
+}
+
 struct DragOptions {
   StageOptions stage;
   client::Delivery delivery = client::Delivery::kLatest;
   double rate = 60;
   std::string json;
+  std::vector<PickPoint> picks;
 };
-
-nlohmann::ordered_json ToJson(const Percentiles& times) {
-  return {{"p50", times.p50}, {"p90", times.p90}, {"p99", times.p99}, {"max", times.max}};
-}
-
-std::string JsonReport(const DragTimes& times) {
-  const nlohmann::ordered_json json{
-      {"sent", times.sent},
-      {"answered", times.answered},
-      {"replaced", times.replaced},
-      {"round_trip_micros", ToJson(PercentilesOf(times.round_trip_micros))},
-      {"queue_micros", ToJson(PercentilesOf(times.queue_micros))},
-      {"solve_micros", ToJson(PercentilesOf(times.solve_micros))},
-      {"frames_with_flips", times.frames_with_flips},
-      {"most_flips", times.most_flips},
-      {"worst_handle_error", times.worst_handle_error}};
-  return json.dump(2) + "\n";
-}
 
 Status Drag(const DragOptions& options) {
   const Result<Stage> stage = Stage::Open(options.stage);
   if (!stage) return Fail(stage.error());
+  std::vector<double> points;
+  for (const PickPoint& pick : options.picks) points.insert(points.end(), {pick.x, pick.y});
+  const DragScript script(stage->track(), options.stage.hard, points);
+  if (!points.empty() && script.frame_count() == 0) {
+    return Fail(FaultKind::kInvalidOption, "--pick asks for the last frame; the track has none");
+  }
   std::optional<ShapesFile> shapes;
   if (!options.stage.out.empty()) {
     shapes.emplace(options.stage.out, stage->mesh().vertex_count());
@@ -61,9 +67,8 @@ Status Drag(const DragOptions& options) {
     film.Add(frame, shape);
   };
   const bool every = options.delivery == client::Delivery::kEvery;
-  const Result<DragTimes> times = every
-                                      ? DragEvery(*stream, stage->track(), on_shape)
-                                      : DragLatest(*stream, stage->track(), options.rate, on_shape);
+  const Result<DragTimes> times = every ? DragEvery(*stream, script, on_shape)
+                                        : DragLatest(*stream, script, options.rate, on_shape);
   if (!times) return Fail(times.error());
 
   const Percentiles round_trip = PercentilesOf(times->round_trip_micros);
@@ -75,11 +80,14 @@ Status Drag(const DragOptions& options) {
   fmt::print("{}\nsolve p50 {:.0f} µs, worst handle error {:.3g}, most flips in a frame {}\n",
              caption, PercentilesOf(times->solve_micros).p50, times->worst_handle_error,
              times->most_flips);
+  for (const EditTimes& edit : times->edits) fmt::print("{}\n", Describe(edit));
+  fmt::print("{}", PickLines(points, times->picks));
   if (shapes) {
     if (Status closed = shapes->Close(); !closed) return closed;
   }
   if (!options.json.empty()) {
-    if (Status written = WriteTextFile(options.json, JsonReport(*times)); !written) return written;
+    if (Status written = WriteTextFile(options.json, JsonReport(*times, points)); !written)
+      return written;
   }
   return film.Write(caption);
 }
@@ -104,7 +112,14 @@ void AddDrag(CLI::App& app, Run& run) {
       ->add_option("--rate", options->rate, "updates per second, for --delivery latest; default 60")
       ->check(CLI::Range(0.1, 1e6).description(""))
       ->option_text("PER_SECOND");
-  command->add_option("--json", options->json, "write the times")->option_text("FILE.json");
+  command
+      ->add_option("--pick", options->picks,
+                   "say where this point of the last frame was at rest, and in which triangle; may "
+                   "be given again")
+      ->allow_extra_args(false)
+      ->option_text("X,Y");
+  command->add_option("--json", options->json, "write the times, edits and picks")
+      ->option_text("FILE.json");
   command->callback([options, &run] {
     run = [options] {
       const Status dragged = Drag(*options);

@@ -5,6 +5,8 @@
 #include <thread>
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace arap::cli {
 namespace {
 
@@ -14,38 +16,48 @@ double MicrosSince(Clock::time_point then) {
   return std::chrono::duration<double, std::micro>(Clock::now() - then).count();
 }
 
-// Sequences start at 1, so that every one of them grows.
-client::HandleUpdate UpdateOf(const Track& track, std::size_t frame) {
-  client::HandleUpdate update;
-  update.sequence = frame + 1;
-  const TrackFrame& given = track.frames[frame];
-  if (given.angles.empty() && given.scales.empty()) {
-    update.positions = given.targets;
-    return update;
-  }
-  for (std::size_t k = 0; k < track.handles.size(); ++k) {
-    update.targets.push_back({track.handles[k].name, given.targets[2 * k], given.targets[2 * k + 1],
-                              given.angles.empty() ? 0 : given.angles[k],
-                              given.scales.empty() ? 1 : given.scales[k]});
-  }
-  return update;
+// A shape and what it answers.
+struct Answer {
+  DragCue cue;
+  client::Shape shape;
+};
+
+auto NotAsked() {
+  return Fail(FaultKind::kInternal, "the server answered something that was not asked");
 }
 
-// The next shape; empty at the end of the stream. Any other answer is a fault.
-Result<std::optional<client::Shape>> ReadShape(client::DeformStream& stream,
-                                               std::size_t frame_count) {
+// The next answer; empty at the end of the stream. Anything else is a fault.
+Result<std::optional<Answer>> ReadAnswer(client::DeformStream& stream, const DragScript& script) {
   Result<std::optional<client::StreamEvent>> event = stream.Read();
   if (!event) return Fail(event.error());
-  if (!*event) return std::optional<client::Shape>();
-  if (const auto* error = std::get_if<client::UpdateError>(&**event)) return Fail(error->fault);
-  auto* shape = std::get_if<client::Shape>(&**event);
-  if (shape == nullptr || shape->sequence < 1 || shape->sequence > frame_count) {
-    return Fail(FaultKind::kInternal, "the server answered something that was not asked");
+  if (!*event) return std::optional<Answer>();
+  if (auto* error = std::get_if<client::UpdateError>(&**event)) {
+    if (const auto cue = script.CueOf(error->sequence)) {
+      error->fault.message = fmt::format("{} {}: {}", cue->edit ? "edit before frame" : "frame",
+                                         cue->frame, error->fault.message);
+    }
+    return Fail(error->fault);
   }
-  return std::optional<client::Shape>(std::move(*shape));
+  auto* shape = std::get_if<client::Shape>(&**event);
+  if (shape == nullptr) return NotAsked();
+  const std::optional<DragCue> cue = script.CueOf(shape->sequence);
+  const bool last = cue && !cue->edit && cue->frame + 1 == script.frame_count();
+  if (!cue || 2 * shape->picks.size() != (last ? script.pick_points().size() : 0)) {
+    return NotAsked();
+  }
+  return std::optional<Answer>({*cue, std::move(*shape)});
 }
 
-void Count(const client::Shape& shape, double round_trip, DragTimes& times) {
+void Count(Answer& answer, double round_trip, const DragScript& script, const OnShape& on_shape,
+           DragTimes& times) {
+  const client::Shape& shape = answer.shape;
+  const std::size_t frame = answer.cue.frame;
+  if (answer.cue.edit) {
+    const TrackEdit& edit = *script.EditAt(frame);
+    times.edits.push_back({frame, edit.remove.size(), edit.add.size(), shape.queue_micros,
+                           shape.solve_micros, round_trip});
+    return;
+  }
   ++times.answered;
   times.round_trip_micros.push_back(round_trip);
   times.queue_micros.push_back(shape.queue_micros);
@@ -54,28 +66,36 @@ void Count(const client::Shape& shape, double round_trip, DragTimes& times) {
   if (shape.flipped_count > 0) ++times.frames_with_flips;
   times.most_flips = std::max<std::size_t>(times.most_flips, shape.flipped_count);
   times.worst_handle_error = std::max(times.worst_handle_error, shape.worst_handle_error);
+  on_shape(frame, shape);
+  if (!shape.picks.empty()) times.picks = std::move(answer.shape.picks);
 }
 
 }  // namespace
 
-Result<DragTimes> DragEvery(client::DeformStream& stream, const Track& track,
+Result<DragTimes> DragEvery(client::DeformStream& stream, const DragScript& script,
                             const OnShape& on_shape) {
   DragTimes times;
-  for (std::size_t i = 0; i < track.frames.size(); ++i) {
+  // A failed send is explained by the read.
+  const auto ask = [&](std::size_t frame, auto send) -> Status {
     const Clock::time_point sent = Clock::now();
-    // A failed send is explained by the read.
-    (void)stream.Send(UpdateOf(track, i));
+    (void)(script.*send)(stream, frame);
+    Result<std::optional<Answer>> answer = ReadAnswer(stream, script);
+    if (!answer) return Fail(answer.error());
+    if (!*answer) return Fail(FaultKind::kInternal, "the server ended the stream early");
+    Count(**answer, MicrosSince(sent), script, on_shape, times);
+    return {};
+  };
+  for (std::size_t i = 0; i < script.frame_count(); ++i) {
+    if (script.EditAt(i) != nullptr) {
+      if (Status edited = ask(i, &DragScript::SendEdit); !edited) return Fail(edited.error());
+    }
     ++times.sent;
-    const auto shape = ReadShape(stream, track.frames.size());
-    if (!shape) return Fail(shape.error());
-    if (!*shape) return Fail(FaultKind::kInternal, "the server ended the stream early");
-    Count(**shape, MicrosSince(sent), times);
-    on_shape((*shape)->sequence - 1, **shape);
+    if (Status updated = ask(i, &DragScript::SendUpdate); !updated) return Fail(updated.error());
   }
   return times;
 }
 
-Result<DragTimes> DragLatest(client::DeformStream& stream, const Track& track, double rate,
+Result<DragTimes> DragLatest(client::DeformStream& stream, const DragScript& script, double rate,
                              const OnShape& on_shape) {
   DragTimes times;
   const Clock::time_point start = Clock::now();
@@ -84,23 +104,22 @@ Result<DragTimes> DragLatest(client::DeformStream& stream, const Track& track, d
     return start + std::chrono::duration_cast<Clock::duration>(after);
   };
   const std::jthread writer([&](const std::stop_token& stop) {
-    for (std::size_t i = 0; i < track.frames.size() && !stop.stop_requested(); ++i) {
+    for (std::size_t i = 0; i < script.frame_count() && !stop.stop_requested(); ++i) {
       std::this_thread::sleep_until(due(i));
-      if (!stream.Send(UpdateOf(track, i))) break;
+      if (!script.SendEdit(stream, i) || !script.SendUpdate(stream, i)) break;
     }
     (void)stream.CloseSending();
   });
-  times.sent = track.frames.size();
+  times.sent = script.frame_count();
   for (;;) {
-    const auto shape = ReadShape(stream, track.frames.size());
-    if (!shape) {
+    Result<std::optional<Answer>> answer = ReadAnswer(stream, script);
+    if (!answer) {
       stream.Cancel();  // frees a writer that waits for the server to read
-      return Fail(shape.error());
+      return Fail(answer.error());
     }
-    if (!*shape) return times;
-    const std::size_t frame = (*shape)->sequence - 1;
-    Count(**shape, MicrosSince(due(frame)), times);
-    on_shape(frame, **shape);
+    if (!*answer) return times;
+    const double round_trip = MicrosSince(due((*answer)->cue.frame));
+    Count(**answer, round_trip, script, on_shape, times);
   }
 }
 

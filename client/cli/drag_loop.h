@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "arap/client/session.h"
-#include "client/cli/track.h"
+#include "client/cli/drag_script.h"
+#include "client/cli/edit_times.h"
 #include "core/base/result.h"
 
 namespace arap::cli {
@@ -21,19 +22,22 @@ struct DragTimes {
   std::size_t frames_with_flips = 0;
   std::size_t most_flips = 0;  // in one frame
   double worst_handle_error = 0;
+  std::vector<EditTimes> edits;           // in order
+  std::vector<client::PickResult> picks;  // of the script's points, on the last frame
 };
 
-// Called for every answer, in order, on the calling thread.
+// Called for every frame that is answered, in order, on the calling thread.
 using OnShape = std::function<void(std::size_t frame, const client::Shape& shape)>;
 
-// EVERY delivery: each update is sent when the one before is answered. The round trip is counted
-// from the sending.
-Result<DragTimes> DragEvery(client::DeformStream& stream, const Track& track,
+// EVERY delivery: each update, and each edit, is sent when the one before is answered. The round
+// trip is counted from the sending.
+Result<DragTimes> DragEvery(client::DeformStream& stream, const DragScript& script,
                             const OnShape& on_shape);
 
 // LATEST delivery: `rate` updates a second (above 0), whatever the server does. The round trip is
-// counted from when an update was due, so a late sender does not flatter it.
-Result<DragTimes> DragLatest(client::DeformStream& stream, const Track& track, double rate,
+// counted from when an update, or the one after an edit, was due, so a late sender does not flatter
+// it.
+Result<DragTimes> DragLatest(client::DeformStream& stream, const DragScript& script, double rate,
                              const OnShape& on_shape);
 
 }  // namespace arap::cli

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -74,9 +75,13 @@ class FilmMaker {
   Status Write(const std::string& caption);
 
  private:
+  // Every handle that the track ever has; NaN where it is not there.
+  std::vector<double> HandlesAt(std::size_t frame) const;
+
   std::string svg_;
   std::string frames_svg_;
   const Track& track_;
+  std::vector<TrackSegment> segments_;
   Film film_;
 };
 

@@ -1,5 +1,6 @@
 #include "client/cli/track.h"
 
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -68,22 +69,11 @@ bool ReadGrip(const Json& json, TrackHandle& handle) {
          ReadOptional(Member(json, "depth_falloff"), handle.depth_falloff);
 }
 
-// Only what differs from the defaults.
-void WriteGrip(const TrackHandle& handle, Json& out) {
-  if (handle.weight) out["weight"] = *handle.weight;
-  if (handle.hard) out["hard"] = true;
-  if (handle.oriented) out["oriented"] = true;
-  if (handle.snap) out["snap"] = true;
-  if (handle.area_radius != 0) out["area_radius"] = handle.area_radius;
-  if (handle.depth != 0) out["depth"] = handle.depth;
-  if (handle.depth_falloff != 0) out["depth_falloff"] = handle.depth_falloff;
-}
-
-Result<TrackHandle> ReadHandle(const Json& json, std::size_t index) {
+// `number` names a handle without a name.
+Result<TrackHandle> ReadHandle(const Json& json, const std::string& where, std::size_t number) {
   TrackHandle handle;
-  const std::string where = fmt::format("handle {}", index);
   const Json& name = Member(json, "name");
-  handle.name = name.is_string() ? name.get<std::string>() : fmt::format("h{}", index);
+  handle.name = name.is_string() ? name.get<std::string>() : fmt::format("h{}", number);
   std::array<double, 2> rest{};
   if (!ReadNumbers(Member(json, "rest"), 2, rest.data())) {
     return Bad(where + " needs \"rest\": [x, y]");
@@ -114,6 +104,63 @@ Result<TrackHandle> ReadHandle(const Json& json, std::size_t index) {
   return handle;
 }
 
+// `number` is that of the first handle that it adds.
+Result<TrackEdit> ReadEdit(const Json& json, std::size_t index, std::size_t number) {
+  const Json& remove = Member(json, "remove");
+  const Json& add = Member(json, "add");
+  std::uint32_t frame = 0;
+  if (!ReadIndex(Member(json, "frame"), frame) || (remove.empty() && add.empty())) {
+    return Bad(fmt::format("edit {} needs \"frame\": index and \"remove\" or \"add\"", index));
+  }
+  TrackEdit edit{frame, {}, {}};
+  if (!(remove.is_null() || remove.is_array()) || !(add.is_null() || add.is_array())) {
+    return Bad(fmt::format("edit {}: \"remove\" and \"add\" are arrays", index));
+  }
+  for (const Json& id : remove) {
+    if (!id.is_string()) return Bad(fmt::format("edit {}: \"remove\" has names", index));
+    edit.remove.push_back(id.get<std::string>());
+  }
+  for (const Json& entry : add) {
+    const std::size_t k = edit.add.size();
+    Result<TrackHandle> handle =
+        ReadHandle(entry, fmt::format("edit {}: handle {}", index, k), number + k);
+    if (!handle) return Fail(handle.error());
+    edit.add.push_back(*std::move(handle));
+  }
+  return edit;
+}
+
+Status ReadEdits(const Json& edits, Track& track) {
+  if (!edits.is_null() && !edits.is_array()) return Bad("\"edits\" is not an array");
+  std::size_t number = track.handles.size();
+  for (const Json& entry : edits) {
+    Result<TrackEdit> edit = ReadEdit(entry, track.edits.size(), number);
+    if (!edit) return Fail(edit.error());
+    number += edit->add.size();
+    track.edits.push_back(*std::move(edit));
+  }
+  return {};
+}
+
+// Frames grow and are those of the track; what is removed is there.
+Status CheckEdits(const Track& track) {
+  std::set<std::string> names;
+  for (const TrackHandle& handle : track.handles) names.insert(handle.name);
+  for (std::size_t i = 0; i < track.edits.size(); ++i) {
+    const TrackEdit& edit = track.edits[i];
+    if (edit.frame >= track.frames.size() || (i > 0 && edit.frame <= track.edits[i - 1].frame)) {
+      return Bad(fmt::format("edit {}: the frames of edits are frames of the track and grow", i));
+    }
+    for (const std::string& name : edit.remove) {
+      if (names.erase(name) == 0) {
+        return Bad(fmt::format("edit {} removes \"{}\", which is not there", i, name));
+      }
+    }
+    for (const TrackHandle& handle : edit.add) names.insert(handle.name);
+  }
+  return {};
+}
+
 Result<TrackFrame> ReadFrame(const Json& json, std::size_t index, std::size_t handle_count) {
   TrackFrame frame;
   const Json& kind = Member(json, "kind");
@@ -135,17 +182,6 @@ Result<TrackFrame> ReadFrame(const Json& json, std::size_t index, std::size_t ha
   return frame;
 }
 
-struct AnchorToJson {
-  Json& out;
-
-  void operator()(const client::VertexAnchor& anchor) const { out["vertex"] = anchor.vertex; }
-  void operator()(const client::TriangleAnchor& anchor) const {
-    out["triangle"] = anchor.triangle;
-    out["bary"] = anchor.barycentric;
-  }
-  void operator()(const client::PointAnchor&) const {}
-};
-
 }  // namespace
 
 Result<Track> ParseTrack(std::string_view text) {
@@ -166,14 +202,20 @@ Result<Track> ParseTrack(std::string_view text) {
     return Bad("\"rigidity\" is not an array of numbers");
   }
   for (const Json& entry : handles) {
-    Result<TrackHandle> handle = ReadHandle(entry, track.handles.size());
+    Result<TrackHandle> handle =
+        ReadHandle(entry, fmt::format("handle {}", track.handles.size()), track.handles.size());
     if (!handle) return Fail(handle.error());
     track.handles.push_back(*std::move(handle));
   }
-  for (const Json& entry : frames) {
-    Result<TrackFrame> frame = ReadFrame(entry, track.frames.size(), track.handles.size());
-    if (!frame) return Fail(frame.error());
-    track.frames.push_back(*std::move(frame));
+  if (Status read = ReadEdits(Member(json, "edits"), track); !read) return Fail(read.error());
+  track.frames.resize(frames.size());
+  if (Status good = CheckEdits(track); !good) return Fail(good.error());
+  for (const TrackSegment& segment : SegmentsOf(track)) {
+    for (std::size_t i = segment.first; i < segment.end; ++i) {
+      Result<TrackFrame> frame = ReadFrame(frames[i], i, segment.ids.size());
+      if (!frame) return Fail(frame.error());
+      track.frames[i] = *std::move(frame);
+    }
   }
   return track;
 }
@@ -184,61 +226,6 @@ Result<Track> ReadTrack(const std::string& path) {
   Result<Track> track = ParseTrack(*text);
   if (!track) track.error().message = path + ": " + track.error().message;
   return track;
-}
-
-std::string FormatTrack(const Track& track) {
-  Json json;
-  if (!track.mesh.empty()) json["mesh"] = track.mesh;
-  if (track.row_weight) json["w"] = *track.row_weight;
-  json["handles"] = Json::array();
-  for (const TrackHandle& handle : track.handles) {
-    Json entry;
-    entry["name"] = handle.name;
-    entry["rest"] = {handle.rest_x, handle.rest_y};
-    std::visit(AnchorToJson{entry}, handle.anchor);
-    WriteGrip(handle, entry);
-    json["handles"].push_back(std::move(entry));
-  }
-  json["frames"] = Json::array();
-  for (const TrackFrame& frame : track.frames) {
-    Json entry;
-    entry["i"] = json["frames"].size();
-    entry["kind"] = frame.kind;
-    entry["targets"] = Json::array();
-    for (std::size_t k = 0; k < frame.targets.size(); k += 2) {
-      entry["targets"].push_back({frame.targets[k], frame.targets[k + 1]});
-    }
-    if (!frame.angles.empty()) entry["angles"] = frame.angles;
-    if (!frame.scales.empty()) entry["scales"] = frame.scales;
-    json["frames"].push_back(std::move(entry));
-  }
-  if (!track.rigidity.empty()) json["rigidity"] = track.rigidity;
-  return json.dump() + "\n";
-}
-
-std::vector<client::Handle> ToHandles(const Track& track, bool hard) {
-  std::vector<client::Handle> handles;
-  for (const TrackHandle& entry : track.handles) {
-    client::Handle& handle = handles.emplace_back();
-    handle.id = entry.name;
-    handle.anchor = entry.anchor;
-    handle.hard = hard || entry.hard;
-    handle.oriented = entry.oriented;
-    handle.area_radius = entry.area_radius;
-    handle.snap = entry.snap;
-    handle.depth = entry.depth;
-    handle.depth_falloff = entry.depth_falloff;
-    if (handle.hard) continue;
-    if (track.row_weight) handle.weight = *track.row_weight * *track.row_weight;
-    if (entry.weight) handle.weight = entry.weight;
-  }
-  return handles;
-}
-
-std::vector<std::string> HandleIds(const Track& track) {
-  std::vector<std::string> ids;
-  for (const TrackHandle& handle : track.handles) ids.push_back(handle.name);
-  return ids;
 }
 
 }  // namespace arap::cli

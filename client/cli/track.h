@@ -13,13 +13,23 @@
 //                 "snap": true,                     a `rest` outside moves to the boundary
 //                 "depth": 1, "depth_falloff": 9}], for the drawing order; optional, as all six
 //    "frames": [{"kind": "wave",                    optional; for people
-//                "targets": [[x, y], …]}]}          one per handle, in order, units of the mesh
+//                "targets": [[x, y], …],            one per handle, in order, units of the mesh
+//                "angles": [a, …],                  optional; radians, of oriented handles; else 0
+//                "scales": [s, …]}],                optional; of oriented handles; else 1
+//    "edits": [{"frame": 60,                        optional; done before this frame; growing
+//               "remove": ["head"],                 optional; names
+//               "add": [{"name": …}]}],             optional; as "handles"
+//    "rigidity": [r, …]}                            optional; one per triangle
 //
-// Other members are ignored.
+// The handles of a frame are those of the frame before, less those that an edit removes, and then
+// those that it adds. A handle without a name is h0, h1…, counted through "handles" and every
+// "add". Other members are ignored.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -46,11 +56,19 @@ struct TrackFrame {
   std::vector<double> scales;   // length 0 or #handles
 };
 
+// A change of the handles. Removals come first.
+struct TrackEdit {
+  std::size_t frame = 0;  // before this one
+  std::vector<std::string> remove;
+  std::vector<TrackHandle> add;
+};
+
 struct Track {
   std::string mesh;
   std::optional<double> row_weight;  // "w"; its square weighs the squared miss in the energy
   std::vector<TrackHandle> handles;
   std::vector<TrackFrame> frames;
+  std::vector<TrackEdit> edits;  // by growing frame
   std::vector<double> rigidity;  // per triangle, or empty
 };
 
@@ -61,6 +79,21 @@ std::string FormatTrack(const Track& track);
 
 // The handles for the server; `hard` ones meet their targets exactly.
 std::vector<client::Handle> ToHandles(const Track& track, bool hard);
-std::vector<std::string> HandleIds(const Track& track);
+// Those that an edit of the track adds.
+std::vector<client::Handle> ToHandles(const Track& track, std::span<const TrackHandle> entries,
+                                      bool hard);
+
+// Frames that have the same handles.
+struct TrackSegment {
+  std::size_t first = 0, end = 0;    // its frames
+  const TrackEdit* edit = nullptr;   // done before `first`; the track's; null: none
+  std::vector<std::string> ids;      // of the handles, in the order of the targets
+  std::vector<std::size_t> numbers;  // of the handles, counted through `handles` and every `add`
+};
+
+// The track cut at its edits, at least one segment. Without edits it is all frames.
+std::vector<TrackSegment> SegmentsOf(const Track& track);
+// The one of them that has the frame.
+const TrackSegment& SegmentAt(std::span<const TrackSegment> segments, std::size_t frame);
 
 }  // namespace arap::cli

@@ -90,6 +90,17 @@ TEST(Svg, AnimationLoopsOverEveryFrameOfAShortFilm) {
   EXPECT_THAT(svg, Not(HasSubstr("nan")));
 }
 
+TEST(Svg, AHandleThatComesAndGoesHasNoSizeMeanwhile) {
+  Film film = SquareFilm(3);
+  film.handles = {{0, 0, NAN, NAN, NAN, NAN}, {0, 0, 1, 1, NAN, NAN}, {0, 0, NAN, NAN, NAN, NAN}};
+  const std::string svg = FormatAnimation(film);
+  EXPECT_EQ(Count(svg, "<circle"), 2u);  // the third is never there
+  EXPECT_EQ(Count(svg, "attributeName=\"r\""), 1u);
+  EXPECT_THAT(svg, HasSubstr("values=\"0;11;0\""));
+  EXPECT_THAT(svg, HasSubstr("values=\"1040;1040;1040\""));  // it does not jump
+  EXPECT_EQ(Count(FormatSheet(film, 8), "<circle"), 4u);
+}
+
 TEST(Svg, LongFilmsAreThinnedOut) {
   const std::string svg = FormatAnimation(SquareFilm(1000));
   EXPECT_EQ(Count(svg, ";"), 4 * 83u + 2u);  // every twelfth of 1000 frames

@@ -45,7 +45,9 @@ TEST(Track, TheEnergyWeightIsTheSquareOfTheRowWeight) {
   EXPECT_FALSE(ToHandles(*track, false)[0].hard);
   EXPECT_TRUE(ToHandles(*track, true)[0].hard);
   EXPECT_FALSE(ToHandles(*track, true)[0].weight);
-  EXPECT_THAT(HandleIds(*track), ElementsAre("head", "h1", "tail"));
+  const std::vector<TrackSegment> segments = SegmentsOf(*track);
+  ASSERT_EQ(segments.size(), 1u);
+  EXPECT_THAT(segments[0].ids, ElementsAre("head", "h1", "tail"));
 }
 
 TEST(Track, WithoutAWeightTheServerChooses) {
@@ -85,6 +87,75 @@ TEST(Track, GripsAnglesAndRigidityAreReadAndWritten) {
   const Result<Track> back = ParseTrack(FormatTrack(*track));
   ASSERT_TRUE(back) << back.error().message;
   EXPECT_EQ(FormatTrack(*back), FormatTrack(*track));
+}
+
+constexpr const char* kEdits = R"({
+  "handles": [{"name": "a", "rest": [0, 0]}, {"rest": [1, 0]}],
+  "frames": [{"targets": [[0, 0], [1, 0]]}, {"targets": [[0, 0], [1, 0]]},
+             {"targets": [[1, 1], [2, 2], [3, 3]]}, {"targets": [[4, 4], [5, 5], [6, 6]]}],
+  "edits": [{"frame": 2, "add": [{"rest": [0, 1], "hard": true}]},
+            {"frame": 3, "remove": ["a"], "add": [{"name": "a", "rest": [2, 0], "vertex": 9}]}]})";
+
+TEST(Track, EditsCutItIntoSegments) {
+  const Result<Track> track = ParseTrack(kEdits);
+  ASSERT_TRUE(track) << track.error().message;
+  const std::vector<TrackSegment> segments = SegmentsOf(*track);
+  ASSERT_EQ(segments.size(), 3u);
+  EXPECT_EQ(segments[0].first, 0u);
+  EXPECT_EQ(segments[0].end, 2u);
+  EXPECT_EQ(segments[0].edit, nullptr);
+  EXPECT_THAT(segments[0].ids, ElementsAre("a", "h1"));
+  EXPECT_EQ(segments[1].first, 2u);
+  EXPECT_EQ(segments[1].end, 3u);
+  EXPECT_EQ(segments[1].edit, &track->edits[0]);
+  EXPECT_THAT(segments[1].ids, ElementsAre("a", "h1", "h2"));
+  EXPECT_EQ(segments[2].end, 4u);
+  // Another handle under the name of one that went.
+  EXPECT_THAT(segments[2].ids, ElementsAre("h1", "h2", "a"));
+  EXPECT_THAT(segments[2].numbers, ElementsAre(1, 2, 3));
+  EXPECT_EQ(&SegmentAt(segments, 1), &segments[0]);
+  EXPECT_EQ(&SegmentAt(segments, 2), &segments[1]);
+  EXPECT_EQ(&SegmentAt(segments, 3), &segments[2]);
+  EXPECT_TRUE(ToHandles(*track, track->edits[0].add, /*hard=*/false)[0].hard);
+  EXPECT_EQ(FormatTrack(*ParseTrack(FormatTrack(*track))), FormatTrack(*track));
+  EXPECT_THAT(FormatTrack(*track), HasSubstr(R"("edits":[{"frame":2,"add":[{"name":"h2")"));
+}
+
+TEST(Track, AnEditBeforeTheFirstFrameLeavesNoEmptySegment) {
+  const Result<Track> track = ParseTrack(R"({"handles": [{"rest": [0, 0]}],
+    "frames": [{"targets": []}], "edits": [{"frame": 0, "remove": ["h0"]}]})");
+  ASSERT_TRUE(track) << track.error().message;
+  const std::vector<TrackSegment> segments = SegmentsOf(*track);
+  ASSERT_EQ(segments.size(), 1u);
+  EXPECT_EQ(segments[0].edit, &track->edits[0]);
+  EXPECT_THAT(segments[0].ids, ElementsAre());
+  EXPECT_EQ(segments[0].end, 1u);
+}
+
+TEST(Track, FaultsOfEditsSayWhichAndWhat) {
+  const auto complaint = [](const std::string& edits) {
+    return Complaint(R"({"handles": [{"rest": [1, 2]}], "frames": [{"targets": [[1, 2]]},
+                        {"targets": [[1, 2]]}], "edits": )" +
+                     edits + "}");
+  };
+  EXPECT_EQ(complaint("[]"), "no fault");
+  EXPECT_THAT(complaint("7"), HasSubstr("\"edits\" is not an array"));
+  EXPECT_THAT(complaint("[7]"), HasSubstr("edit 0 needs \"frame\""));
+  EXPECT_THAT(complaint(R"([{"remove": ["h0"]}])"), HasSubstr("edit 0 needs \"frame\""));
+  EXPECT_THAT(complaint(R"([{"frame": 1}])"), HasSubstr("\"remove\" or \"add\""));
+  EXPECT_THAT(complaint(R"([{"frame": 1, "remove": "h0"}])"), HasSubstr("are arrays"));
+  EXPECT_THAT(complaint(R"([{"frame": 1, "remove": [0]}])"), HasSubstr("has names"));
+  EXPECT_THAT(complaint(R"([{"frame": 1, "add": [{"name": "b"}]}])"),
+              HasSubstr("edit 0: handle 0 needs \"rest\""));
+  EXPECT_THAT(complaint(R"([{"frame": 1, "remove": ["b"]}])"),
+              HasSubstr("edit 0 removes \"b\", which is not there"));
+  EXPECT_THAT(complaint(R"([{"frame": 2, "remove": ["h0"]}])"), HasSubstr("frames of the track"));
+  EXPECT_THAT(complaint(R"([{"frame": 1, "add": [{"rest": [0, 0]}]},
+                            {"frame": 1, "remove": ["h0"]}])"),
+              HasSubstr("edit 1: the frames of edits"));
+  // A frame after an edit has as many targets as there are handles then.
+  EXPECT_THAT(complaint(R"([{"frame": 1, "add": [{"rest": [0, 0]}]}])"),
+              HasSubstr("frame 1 needs \"targets\""));
 }
 
 TEST(Track, FaultsSayWhatIsWrong) {

@@ -36,6 +36,10 @@ TEST_F(Usage, WrongCommandLinesEndWithTwo) {
       {"bake", "a.obj", "b.json", "--spawn"},  // no --out
       {"bake", "a.obj", "b.json", "--spawn", "--out", "c", "--basis", "cube"},
       {"bake", "a.obj", "b.json", "--spawn", "--out", "c", "--as-published", "--basis", "edge"},
+      {"drag", "a.obj", "b.json", "--spawn", "--pick", "1"},
+      {"drag", "a.obj", "b.json", "--spawn", "--pick", "1,b"},
+      {"drag", "a.obj", "b.json", "--spawn", "--pick", "1,2,3"},
+      {"drag", "a.obj", "b.json", "--spawn", "--pick", "nan,2"},
       {"flatten", "a.obj", "--spawn", "--out", "b.obj", "--basis", "vertex"},
       {"load", "--spawn", "--streams", "0"},
       {"sample", "dragon", "--out", "a.obj"},

@@ -1,9 +1,11 @@
 #include "client/cli/svg/animation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "client/cli/svg/document.h"
 #include "client/cli/svg/mesh_lines.h"
@@ -19,6 +21,7 @@ constexpr std::size_t kMostFrames = 90;
 // About five bytes for each edge of each frame: beyond this the inner edges are left out.
 constexpr std::size_t kMostEdgesInAllFrames = 1'000'000;
 constexpr double kFramesPerSecond = 30;
+constexpr long kHandleRadius = 11;
 
 Bounds BoundsOf(const Film& film) {
   Bounds bounds;
@@ -46,21 +49,40 @@ std::string MovingPath(const Film& film, const std::vector<std::size_t>& chosen,
                      Animate("d", seconds, values));
 }
 
+// The places of a handle over the chosen frames. While it is not there, it keeps its last place, at
+// first the one where it will appear, and has no size.
+struct HandlePath {
+  std::vector<long> xs, ys, radii;
+
+  HandlePath(const Film& film, const std::vector<std::size_t>& chosen, std::size_t k,
+             const View& view) {
+    const auto there = [&](std::size_t frame) { return std::isfinite(film.handles[frame][k]); };
+    const auto first = std::find_if(chosen.begin(), chosen.end(), there);
+    if (first == chosen.end()) return;
+    std::size_t shown = *first;
+    for (const std::size_t frame : chosen) {
+      if (there(frame)) shown = frame;
+      xs.push_back(view.X(film.handles[shown][k]));
+      ys.push_back(view.Y(film.handles[shown][k + 1]));
+      radii.push_back(there(frame) ? kHandleRadius : 0);
+    }
+  }
+};
+
 std::string MovingHandles(const Film& film, const std::vector<std::size_t>& chosen,
                           const View& view, double seconds) {
   std::string out;
   for (std::size_t k = 0; k + 1 < film.handles.front().size(); k += 2) {
-    std::string xs, ys;
-    for (const std::size_t frame : chosen) {
-      const char* const lead = xs.empty() ? "" : ";";
-      fmt::format_to(std::back_inserter(xs), "{}{}", lead, view.X(film.handles[frame][k]));
-      fmt::format_to(std::back_inserter(ys), "{}{}", lead, view.Y(film.handles[frame][k + 1]));
-    }
+    const HandlePath path(film, chosen, k, view);
+    if (path.xs.empty()) continue;
+    const auto animate = [&](const char* attribute, const std::vector<long>& values) {
+      return Animate(attribute, seconds, fmt::format("{}", fmt::join(values, ";")));
+    };
+    const bool always = *std::min_element(path.radii.begin(), path.radii.end()) > 0;
     fmt::format_to(std::back_inserter(out),
-                   "<circle {} r=\"11\" cx=\"{}\" cy=\"{}\">{}{}</circle>\n", kHandleStyle,
-                   view.X(film.handles[chosen.front()][k]),
-                   view.Y(film.handles[chosen.front()][k + 1]), Animate("cx", seconds, xs),
-                   Animate("cy", seconds, ys));
+                   "<circle {} r=\"{}\" cx=\"{}\" cy=\"{}\">{}{}{}</circle>\n", kHandleStyle,
+                   path.radii.front(), path.xs.front(), path.ys.front(), animate("cx", path.xs),
+                   animate("cy", path.ys), always ? "" : animate("r", path.radii));
   }
   return out;
 }

@@ -11,7 +11,8 @@ namespace arap::cli {
 struct Film {
   std::vector<std::uint32_t> triangles;      // i j k…
   std::vector<std::vector<double>> shapes;   // per frame: x y x y… of the vertices
-  std::vector<std::vector<double>> handles;  // per frame: x y x y… of the handle targets
+  std::vector<std::vector<double>> handles;  // per frame: x y x y… of the handle targets, as many
+                                             // in each; NaN: not there
   std::vector<std::size_t> numbers;          // per frame: its number in the track
   std::vector<std::string> labels;           // per frame, or empty: "frame <number>"
   std::string caption;

@@ -21,6 +21,7 @@ constexpr std::size_t kColumns = 4;
 
 void AppendHandles(const std::vector<double>& handles, const View& view, std::string& out) {
   for (std::size_t k = 0; k + 1 < handles.size(); k += 2) {
+    if (!std::isfinite(handles[k])) continue;
     fmt::format_to(std::back_inserter(out), "<circle {} r=\"7\" cx=\"{}\" cy=\"{}\"/>\n",
                    kHandleStyle, view.X(handles[k]), view.Y(handles[k + 1]));
   }
