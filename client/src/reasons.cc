@@ -69,6 +69,10 @@ std::optional<FaultKind> KindOf(v1::ErrorReason reason) {
       return FaultKind::kNumerical;
     case v1::ERROR_REASON_INTERNAL:
       return FaultKind::kInternal;
+    case v1::ERROR_REASON_NON_MANIFOLD_VERTEX:
+      return FaultKind::kNonManifoldVertex;
+    case v1::ERROR_REASON_UNKNOWN_EDGE:
+      return FaultKind::kUnknownEdge;
     case v1::ERROR_REASON_UNSPECIFIED:
     default:  // protobuf's sentinels
       break;

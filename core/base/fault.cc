@@ -20,10 +20,14 @@ const char* FaultName(FaultKind kind) {
       return "duplicate_triangle";
     case FaultKind::kNonManifoldEdge:
       return "non_manifold_edge";
+    case FaultKind::kNonManifoldVertex:
+      return "non_manifold_vertex";
     case FaultKind::kNotOrientable:
       return "not_orientable";
     case FaultKind::kNotADisk:
       return "not_a_disk";
+    case FaultKind::kUnknownEdge:
+      return "unknown_edge";
     case FaultKind::kMeshTooLarge:
       return "mesh_too_large";
     case FaultKind::kInvalidOption:

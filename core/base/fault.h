@@ -23,8 +23,10 @@ enum class FaultKind {
   kDegenerateTriangle,   // a triangle of (relatively) zero area
   kDuplicateTriangle,    // two triangles on the same three vertices
   kNonManifoldEdge,      // an edge with three or more triangles
+  kNonManifoldVertex,    // a vertex where parts of the surface touch in nothing else
   kNotOrientable,        // no consistent orientation exists
   kNotADisk,             // a surface to flatten that is not one disk
+  kUnknownEdge,          // a seam that is no edge of the mesh
   kMeshTooLarge,         // more vertices or triangles than the limit
   // Options.
   kInvalidOption,  // an option out of its range

@@ -64,10 +64,14 @@ constexpr Mapping Map(FaultKind kind) {
       return Invalid("DUPLICATE_TRIANGLE");
     case FaultKind::kNonManifoldEdge:
       return Invalid("NON_MANIFOLD_EDGE");
+    case FaultKind::kNonManifoldVertex:
+      return Invalid("NON_MANIFOLD_VERTEX");
     case FaultKind::kNotOrientable:
       return Invalid("NOT_ORIENTABLE");
     case FaultKind::kNotADisk:
       return Invalid("NOT_A_DISK");
+    case FaultKind::kUnknownEdge:
+      return Invalid("UNKNOWN_EDGE");
     case FaultKind::kMeshTooLarge:
       return Invalid("MESH_TOO_LARGE");
     case FaultKind::kInvalidOption:
