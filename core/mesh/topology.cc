@@ -1,52 +1,25 @@
 #include "core/mesh/topology.h"
 
-#include <algorithm>
-
+#include "core/mesh/sides.h"
 #include "core/mesh/union_find.h"
 
 namespace arap {
 namespace {
 
-// One side of a triangle, sortable so that the sides of one edge come together.
-struct Side {
-  std::uint32_t v0, v1;
-  std::uint32_t triangle, corner;  // the side lies opposite this corner
-
-  friend bool operator<(const Side& a, const Side& b) {
-    if (a.v0 != b.v0) return a.v0 < b.v0;
-    if (a.v1 != b.v1) return a.v1 < b.v1;
-    return a.triangle < b.triangle;
-  }
-};
-
-std::vector<Side> SortedSides(std::span<const Triangle> triangles) {
-  std::vector<Side> sides;
-  sides.reserve(3 * triangles.size());
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(triangles[t][(k + 1) % 3], triangles[t][(k + 2) % 3]);
-      sides.push_back({low, high, t, k});
-    }
-  }
-  std::sort(sides.begin(), sides.end());
-  return sides;
-}
-
-void BuildEdges(std::span<const Triangle> triangles, Topology& topology) {
+void BuildEdges(std::size_t vertex_count, std::span<const Triangle> triangles, Topology& topology) {
   topology.triangle_edges.resize(triangles.size());
   topology.edges.reserve(triangles.size() * 3 / 2 + 2);
-  for (const Side& side : SortedSides(triangles)) {
-    const bool same = !topology.edges.empty() && topology.edges.back().v0 == side.v0 &&
-                      topology.edges.back().v1 == side.v1;
-    if (!same) topology.edges.push_back({side.v0, side.v1, {}, {}});
-    Edge& edge = topology.edges.back();
-    const std::size_t slot = same ? 1 : 0;
-    edge.triangle[slot] = side.triangle;
-    edge.opposite[slot] = triangles[side.triangle][side.corner];
-    if (!same) edge.triangle[1] = edge.opposite[1] = kNone;
-    topology.triangle_edges[side.triangle][side.corner] =
-        static_cast<std::uint32_t>(topology.edges.size() - 1);
-  }
+  ForEachEdge(SortedSides(vertex_count, triangles), [&](std::span<const Side> sides) {
+    const auto index = static_cast<std::uint32_t>(topology.edges.size());
+    Edge& edge = topology.edges.emplace_back();
+    edge.v0 = sides[0].v0, edge.v1 = sides[0].v1;
+    for (std::size_t slot = 0; slot < sides.size(); ++slot) {
+      const std::uint32_t triangle = sides[slot].triangle(), corner = sides[slot].corner();
+      edge.triangle[slot] = triangle;
+      edge.opposite[slot] = triangles[triangle][corner];
+      topology.triangle_edges[triangle][corner] = index;
+    }
+  });
 }
 
 void NumberComponents(std::size_t vertex_count, std::span<const Triangle> triangles,
@@ -133,7 +106,7 @@ void CountBoundaryLoops(std::span<const Triangle> triangles, Topology& topology)
 
 Topology BuildTopology(std::size_t vertex_count, std::span<const Triangle> triangles) {
   Topology topology;
-  BuildEdges(triangles, topology);
+  BuildEdges(vertex_count, triangles, topology);
   NumberComponents(vertex_count, triangles, topology);
   NumberPieces(vertex_count, triangles, topology);
   CountBoundaryLoops(triangles, topology);

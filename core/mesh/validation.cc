@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "core/mesh/topology.h"
+#include "core/mesh/gluing.h"
 
 namespace arap {
 namespace {
@@ -78,51 +78,19 @@ Status CheckIndices(std::size_t vertices, const std::vector<Triangle>& triangles
   return {};
 }
 
-Status CheckDuplicates(const std::vector<Triangle>& triangles) {
-  std::vector<std::pair<Triangle, std::uint32_t>> keys;
-  keys.reserve(triangles.size());
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    Triangle key = triangles[t];
-    std::sort(key.begin(), key.end());
-    keys.emplace_back(key, t);
-  }
-  std::sort(keys.begin(), keys.end());
-  for (std::size_t i = 1; i < keys.size(); ++i) {
-    if (keys[i].first != keys[i - 1].first) continue;
-    return Fail(Fault{FaultKind::kDuplicateTriangle,
-                      fmt::format("triangles {} and {} have the same vertices", keys[i - 1].second,
-                                  keys[i].second),
-                      {keys[i - 1].second, keys[i].second},
-                      {},
-                      "mesh.triangles"});
-  }
-  return {};
+Status CheckManifold(std::span<const Side> sides) {
+  Status status;
+  ForEachEdge(sides, [&](std::span<const Side> edge) {
+    if (status && edge.size() > 2) status = Fail(NonManifoldEdgeFault(edge));
+  });
+  return status;
 }
 
-Status CheckManifold(const std::vector<Triangle>& triangles) {
-  // (v0, v1, triangle), sorted: three in a row on one edge is one too many.
-  std::vector<Triangle> sides;
-  sides.reserve(3 * triangles.size());
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(triangles[t][k], triangles[t][(k + 1) % 3]);
-      sides.push_back({low, high, t});
-    }
-  }
-  std::sort(sides.begin(), sides.end());
-  for (std::size_t i = 2; i < sides.size(); ++i) {
-    if (sides[i][0] != sides[i - 2][0] || sides[i][1] != sides[i - 2][1]) continue;
-    Fault fault{
-        FaultKind::kNonManifoldEdge,
-        fmt::format("edge {}-{} belongs to more than two triangles: {}, {}, {}", sides[i][0],
-                    sides[i][1], sides[i - 2][2], sides[i - 1][2], sides[i][2]),
-        {sides[i - 2][2], sides[i - 1][2], sides[i][2]},
-        {},
-        "mesh.triangles"};
-    fault.Detail("edge", fmt::format("{}-{}", sides[i][0], sides[i][1]));
-    return Fail(std::move(fault));
-  }
-  return {};
+template <class Mesh>
+Status CheckBasics(const Mesh& mesh, const MeshLimits& limits) {
+  if (auto ok = CheckSize(mesh.vertices.size(), mesh.triangles.size(), limits); !ok) return ok;
+  if (auto ok = CheckFinite(mesh.vertices); !ok) return ok;
+  return CheckIndices(mesh.vertices.size(), mesh.triangles);
 }
 
 double Distance(const Complex& a, const Complex& b) { return std::abs(a - b); }
@@ -159,10 +127,10 @@ double Diagonal(const std::vector<Eigen::Vector3d>& points,
 }
 
 template <class Point>
-Status CheckDegenerate(const std::vector<Point>& points, const std::vector<Triangle>& triangles) {
-  Fault fault{FaultKind::kDegenerateTriangle, "", {}, {}, "mesh.triangles"};
+std::vector<std::uint32_t> Degenerate(const std::vector<Point>& points,
+                                      const std::vector<Triangle>& triangles) {
   const double smallest = kDegenerateRatio * Diagonal(points, triangles);
-  std::size_t count = 0;
+  std::vector<std::uint32_t> found;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Point& a = points[triangles[t][0]];
     const Point& b = points[triangles[t][1]];
@@ -171,30 +139,83 @@ Status CheckDegenerate(const std::vector<Point>& points, const std::vector<Trian
     // Written so that an overflow to infinity or NaN counts as degenerate too.
     const bool good = std::isfinite(longest) && longest > smallest &&
                       std::abs(TwiceArea(a, b, c)) / longest > kDegenerateRatio * longest;
-    if (good) continue;
-    fault.Element(t);
-    ++count;
+    if (!good) found.push_back(t);
   }
-  if (count == 0) return {};
-  fault.message = fmt::format(
-      "triangle {} is degenerate: its height is below {} of its longest edge, or it is that small "
-      "against the whole mesh ({} in all)",
-      fault.elements.front(), kDegenerateRatio, count);
-  fault.Detail("limit", fmt::to_string(kDegenerateRatio)).Detail("count", fmt::to_string(count));
-  return Fail(std::move(fault));
+  return found;
 }
 
 template <class Mesh>
-Status CheckAll(const Mesh& mesh, const MeshLimits& limits) {
-  if (auto ok = CheckSize(mesh.vertices.size(), mesh.triangles.size(), limits); !ok) return ok;
-  if (auto ok = CheckFinite(mesh.vertices); !ok) return ok;
-  if (auto ok = CheckIndices(mesh.vertices.size(), mesh.triangles); !ok) return ok;
-  if (auto ok = CheckDuplicates(mesh.triangles); !ok) return ok;
-  if (auto ok = CheckManifold(mesh.triangles); !ok) return ok;
-  return CheckDegenerate(mesh.vertices, mesh.triangles);
+Status CheckAll(const Mesh& mesh, const MeshLimits& limits, std::vector<Side>& sides) {
+  if (auto ok = CheckBasics(mesh, limits); !ok) return ok;
+  sides = SortedSides(mesh.vertices.size(), mesh.triangles);
+  if (auto ok = CheckDuplicates(mesh.triangles, sides); !ok) return ok;
+  if (auto ok = CheckManifold(sides); !ok) return ok;
+  const auto degenerate = Degenerate(mesh.vertices, mesh.triangles);
+  if (!degenerate.empty()) return Fail(DegenerateFault(degenerate));
+  return {};
 }
 
-void Turn(Triangle& t) { std::swap(t[1], t[2]); }
+}  // namespace
+
+Status CheckArrays(const SurfaceMesh& mesh, const MeshLimits& limits) {
+  return CheckBasics(mesh, limits);
+}
+
+Status CheckDuplicates(std::span<const Triangle> triangles, std::span<const Side> sides) {
+  const auto opposite = [&](const Side& side) { return triangles[side.triangle()][side.corner()]; };
+  Status status;
+  std::vector<Side> sorted;
+  // Two triangles on the same vertices are two sides of one edge with the same opposite vertex.
+  ForEachEdge(sides, [&](std::span<const Side> edge) {
+    if (!status || edge.size() < 2) return;
+    sorted.assign(edge.begin(), edge.end());
+    std::sort(sorted.begin(), sorted.end(), [&](const Side& a, const Side& b) {
+      return opposite(a) != opposite(b) ? opposite(a) < opposite(b) : a.index < b.index;
+    });
+    for (std::size_t i = 1; i < sorted.size(); ++i) {
+      if (opposite(sorted[i]) != opposite(sorted[i - 1])) continue;
+      const std::uint32_t a = sorted[i - 1].triangle(), b = sorted[i].triangle();
+      status = Fail(Fault{FaultKind::kDuplicateTriangle,
+                          fmt::format("triangles {} and {} have the same vertices", a, b),
+                          {a, b},
+                          {},
+                          "mesh.triangles"});
+      return;
+    }
+  });
+  return status;
+}
+
+Fault NonManifoldEdgeFault(std::span<const Side> edge) {
+  Fault fault{FaultKind::kNonManifoldEdge,
+              fmt::format("edge {}-{} belongs to more than two triangles: {}, {}, {}{}", edge[0].v0,
+                          edge[0].v1, edge[0].triangle(), edge[1].triangle(), edge[2].triangle(),
+                          edge.size() > 3 ? ", …" : ""),
+              {},
+              {},
+              "mesh.triangles"};
+  for (const Side& side : edge) fault.Element(side.triangle());
+  fault.Detail("edge", fmt::format("{}-{}", edge[0].v0, edge[0].v1));
+  return fault;
+}
+
+std::vector<std::uint32_t> DegenerateTriangles(const SurfaceMesh& mesh) {
+  return Degenerate(mesh.vertices, mesh.triangles);
+}
+
+Fault DegenerateFault(const std::vector<std::uint32_t>& degenerate) {
+  Fault fault{FaultKind::kDegenerateTriangle,
+              fmt::format("triangle {} is degenerate: its height is below {} of its longest edge, "
+                          "or it is that small against the whole mesh ({} in all)",
+                          degenerate.front(), kDegenerateRatio, degenerate.size()),
+              {},
+              {},
+              "mesh.triangles"};
+  for (const std::uint32_t t : degenerate) fault.Element(t);
+  fault.Detail("limit", fmt::to_string(kDegenerateRatio))
+      .Detail("count", fmt::to_string(degenerate.size()));
+  return fault;
+}
 
 void AddWarning(std::string kind, const std::vector<std::uint32_t>& elements, std::string message,
                 std::vector<Warning>& warnings) {
@@ -220,69 +241,25 @@ void WarnUnreferenced(std::size_t vertices, const std::vector<Triangle>& triangl
       warnings);
 }
 
-void WarnTurned(const std::vector<std::uint32_t>& turned, std::vector<Warning>& warnings) {
-  AddWarning("reversed_triangles", turned,
-             fmt::format("{} triangles ran the other way round and were turned", turned.size()),
+void WarnTurned(const std::vector<bool>& turned, std::vector<Warning>& warnings) {
+  std::vector<std::uint32_t> ids;
+  for (std::uint32_t t = 0; t < turned.size(); ++t) {
+    if (turned[t]) ids.push_back(t);
+  }
+  AddWarning("reversed_triangles", ids,
+             fmt::format("{} triangles ran the other way round and were turned", ids.size()),
              warnings);
 }
 
-bool RunsAlong(const Triangle& t, std::uint32_t from, std::uint32_t to) {
-  return (t[0] == from && t[1] == to) || (t[1] == from && t[2] == to) ||
-         (t[2] == from && t[0] == to);
-}
-
-// Walks over each piece from its lowest triangle and turns what runs against it.
-Result<std::vector<std::uint32_t>> OrientSurface(std::size_t vertices,
-                                                 std::vector<Triangle>& triangles) {
-  const Topology topology = BuildTopology(vertices, triangles);
-  std::vector<char> seen(triangles.size(), 0);
-  std::vector<std::uint32_t> turned, queue;
-  for (std::uint32_t start = 0; start < triangles.size(); ++start) {
-    if (seen[start]) continue;
-    seen[start] = 1;
-    queue.assign(1, start);
-    while (!queue.empty()) {
-      const std::uint32_t t = queue.back();
-      queue.pop_back();
-      for (const std::uint32_t e : topology.triangle_edges[t]) {
-        const Edge& edge = topology.edges[e];
-        if (edge.boundary()) continue;
-        const std::uint32_t other = edge.triangle[0] == t ? edge.triangle[1] : edge.triangle[0];
-        const bool against = RunsAlong(triangles[t], edge.v0, edge.v1) ==
-                             RunsAlong(triangles[other], edge.v0, edge.v1);
-        if (seen[other]) {
-          if (!against) continue;
-          return Fail(Fault{FaultKind::kNotOrientable,
-                            fmt::format("triangles {} and {} cannot be oriented alike: the surface "
-                                        "has one side only",
-                                        t, other),
-                            {t, other},
-                            {},
-                            "mesh.triangles"});
-        }
-        if (against) {
-          Turn(triangles[other]);
-          turned.push_back(other);
-        }
-        seen[other] = 1;
-        queue.push_back(other);
-      }
-    }
-  }
-  std::sort(turned.begin(), turned.end());
-  return turned;
-}
-
-}  // namespace
-
 Result<std::vector<Warning>> ValidatePlanar(PlanarMesh& mesh, const MeshLimits& limits) {
-  if (auto ok = CheckAll(mesh, limits); !ok) return Fail(std::move(ok.error()));
-  std::vector<std::uint32_t> turned;
+  std::vector<Side> sides;
+  if (auto ok = CheckAll(mesh, limits, sides); !ok) return Fail(std::move(ok.error()));
+  std::vector<bool> turned(mesh.triangles.size(), false);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     Triangle& c = mesh.triangles[t];
     if (TwiceArea(mesh.vertices[c[0]], mesh.vertices[c[1]], mesh.vertices[c[2]]) > 0) continue;
-    Turn(c);
-    turned.push_back(t);
+    std::swap(c[1], c[2]);
+    turned[t] = true;
   }
   std::vector<Warning> warnings;
   WarnTurned(turned, warnings);
@@ -291,9 +268,12 @@ Result<std::vector<Warning>> ValidatePlanar(PlanarMesh& mesh, const MeshLimits& 
 }
 
 Result<std::vector<Warning>> ValidateSurface(SurfaceMesh& mesh, const MeshLimits& limits) {
-  if (auto ok = CheckAll(mesh, limits); !ok) return Fail(std::move(ok.error()));
-  auto turned = OrientSurface(mesh.vertices.size(), mesh.triangles);
-  if (!turned) return Fail(std::move(turned.error()));
+  std::vector<Side> sides;
+  if (auto ok = CheckAll(mesh, limits, sides); !ok) return Fail(std::move(ok.error()));
+  Gluing gluing = GlueAll(sides);
+  const auto turned = TrianglesToTurn(mesh.triangles, gluing);
+  if (!turned) return Fail(turned.error());
+  TurnTriangles(*turned, mesh.triangles, gluing);
   std::vector<Warning> warnings;
   WarnTurned(*turned, warnings);
   WarnUnreferenced(mesh.vertices.size(), mesh.triangles, warnings);

@@ -3,11 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "core/base/result.h"
 #include "core/mesh/mesh.h"
+#include "core/mesh/sides.h"
 
 namespace arap {
 
@@ -35,5 +37,21 @@ inline constexpr double kDegenerateRatio = 1e-9;
 // their component. Both are warned of, as are unreferenced vertices. O(#F log #F).
 Result<std::vector<Warning>> ValidatePlanar(PlanarMesh& mesh, const MeshLimits& limits);
 Result<std::vector<Warning>> ValidateSurface(SurfaceMesh& mesh, const MeshLimits& limits);
+
+// The parts of ValidateSurface in its order, for a caller that cuts before it orients.
+// `sides` is what SortedSides makes of the triangles.
+Status CheckArrays(const SurfaceMesh& mesh, const MeshLimits& limits);  // up to kRepeatedIndex
+Status CheckDuplicates(std::span<const Triangle> triangles, std::span<const Side> sides);
+Fault NonManifoldEdgeFault(std::span<const Side> edge);  // its three or more sides
+// Ascending. Finite positions that are too far apart to be subtracted or squared count too.
+std::vector<std::uint32_t> DegenerateTriangles(const SurfaceMesh& mesh);
+Fault DegenerateFault(const std::vector<std::uint32_t>& degenerate);  // at least one
+
+// Each adds a warning when there is something to warn of.
+void AddWarning(std::string kind, const std::vector<std::uint32_t>& elements, std::string message,
+                std::vector<Warning>& warnings);
+void WarnTurned(const std::vector<bool>& turned, std::vector<Warning>& warnings);
+void WarnUnreferenced(std::size_t vertices, const std::vector<Triangle>& triangles,
+                      std::vector<Warning>& warnings);
 
 }  // namespace arap

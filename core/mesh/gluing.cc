@@ -1,0 +1,120 @@
+#include "core/mesh/gluing.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace arap {
+namespace {
+
+// Walks over the triangles, neighbour by neighbour, and finds what runs against its start.
+class Orienter {
+ public:
+  Orienter(std::span<const Triangle> triangles, const Gluing& gluing)
+      : triangles_(triangles),
+        gluing_(gluing),
+        seen_(triangles.size(), false),
+        turned_(triangles.size(), false) {}
+
+  Result<std::vector<bool>> Run() {
+    for (std::uint32_t start = 0; start < triangles_.size(); ++start) {
+      if (seen_[start]) continue;
+      seen_[start] = true;
+      queue_.assign(1, start);
+      // What lies behind a cut waits until nothing else is left: only joined triangles must agree.
+      while (!queue_.empty() || CrossACut()) {
+        const std::uint32_t t = queue_.back();
+        queue_.pop_back();
+        if (auto ok = Visit(t); !ok) return Fail(std::move(ok.error()));
+      }
+    }
+    return std::move(turned_);
+  }
+
+ private:
+  // Two sides of one edge run alike when their triangles do not agree.
+  bool Against(std::uint32_t side, std::uint32_t mate) const {
+    const bool alike = SideStart(triangles_, side) == SideStart(triangles_, mate);
+    return alike != (turned_[side / 3] != turned_[mate / 3]);
+  }
+
+  void Reach(std::uint32_t side, std::uint32_t mate) {
+    turned_[mate / 3] = Against(side, mate);
+    seen_[mate / 3] = true;
+    queue_.push_back(mate / 3);
+  }
+
+  Status Visit(std::uint32_t t) {
+    for (std::uint32_t side = 3 * t; side < 3 * t + 3; ++side) {
+      const std::uint32_t mate = gluing_.mate[side];
+      if (mate == kNone) continue;
+      if (gluing_.cut[side]) {
+        if (!seen_[mate / 3]) behind_cuts_.push_back(side);
+      } else if (!seen_[mate / 3]) {
+        Reach(side, mate);
+      } else if (Against(side, mate)) {
+        return Fail(Fault{FaultKind::kNotOrientable,
+                          fmt::format("triangles {} and {} cannot be oriented alike: the surface "
+                                      "has one side only",
+                                      t, mate / 3),
+                          {t, mate / 3},
+                          {},
+                          "mesh.triangles"});
+      }
+    }
+    return {};
+  }
+
+  bool CrossACut() {
+    while (!behind_cuts_.empty()) {
+      const std::uint32_t side = behind_cuts_.back();
+      behind_cuts_.pop_back();
+      if (seen_[gluing_.mate[side] / 3]) continue;
+      Reach(side, gluing_.mate[side]);
+      return true;
+    }
+    return false;
+  }
+
+  std::span<const Triangle> triangles_;
+  const Gluing& gluing_;
+  std::vector<bool> seen_, turned_;
+  std::vector<std::uint32_t> queue_;        // triangles
+  std::vector<std::uint32_t> behind_cuts_;  // sides
+};
+
+}  // namespace
+
+Gluing GlueAll(std::span<const Side> sides) {
+  Gluing gluing{std::vector<std::uint32_t>(sides.size(), kNone),
+                std::vector<bool>(sides.size(), false)};
+  ForEachEdge(sides, [&](std::span<const Side> edge) {
+    if (edge.size() != 2) return;
+    gluing.mate[edge[0].index] = edge[1].index;
+    gluing.mate[edge[1].index] = edge[0].index;
+  });
+  return gluing;
+}
+
+Result<std::vector<bool>> TrianglesToTurn(std::span<const Triangle> triangles,
+                                          const Gluing& gluing) {
+  return Orienter(triangles, gluing).Run();
+}
+
+void TurnTriangles(const std::vector<bool>& turned, std::vector<Triangle>& triangles,
+                   Gluing& gluing) {
+  const auto renumbered = [&turned](std::uint32_t side) {
+    return side != kNone && side % 3 != 0 && turned[side / 3] ? side / 3 * 3 + 3 - side % 3 : side;
+  };
+  for (std::uint32_t& mate : gluing.mate) mate = renumbered(mate);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    if (!turned[t]) continue;
+    std::swap(triangles[t][1], triangles[t][2]);
+    std::swap(gluing.mate[3 * t + 1], gluing.mate[3 * t + 2]);
+    const bool first = gluing.cut[3 * t + 1];
+    gluing.cut[3 * t + 1] = gluing.cut[3 * t + 2];
+    gluing.cut[3 * t + 2] = first;
+  }
+}
+
+}  // namespace arap

@@ -1,0 +1,38 @@
+// Gluing: which triangle sides are joined. Cutting a surface is taking sides apart.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/mesh/mesh.h"
+#include "core/mesh/sides.h"
+#include "core/mesh/topology.h"
+
+namespace arap {
+
+// Sides are numbered as in sides.h.
+struct Gluing {
+  std::vector<std::uint32_t> mate;  // 3·#F: the other side of the edge; kNone unless it has two
+  std::vector<bool> cut;            // 3·#F: taken apart from its mate; the same on both sides
+
+  bool open(std::uint32_t side) const { return mate[side] == kNone || cut[side]; }
+  void Cut(std::uint32_t side) { cut[side] = cut[mate[side]] = true; }
+  void Join(std::uint32_t side) { cut[side] = cut[mate[side]] = false; }
+};
+
+// All edges with two triangles joined, nothing cut. O(#F).
+Gluing GlueAll(std::span<const Side> sides);
+
+// Which triangles have to be turned round (corners 1 and 2 swapped) so that joined neighbours run
+// alike. The lowest triangle of a surface stays as it is. Across cuts triangles are made to agree
+// where nothing else decides. kNotOrientable with two triangles that cannot agree. O(#F).
+Result<std::vector<bool>> TrianglesToTurn(std::span<const Triangle> triangles,
+                                          const Gluing& gluing);
+
+// Turns them and renumbers the sides of `gluing` to match. O(#F).
+void TurnTriangles(const std::vector<bool>& turned, std::vector<Triangle>& triangles,
+                   Gluing& gluing);
+
+}  // namespace arap
