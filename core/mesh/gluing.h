@@ -18,6 +18,12 @@ struct Gluing {
   std::vector<bool> cut;            // 3·#F: taken apart from its mate; the same on both sides
 
   bool open(std::uint32_t side) const { return mate[side] == kNone || cut[side]; }
+  // From an open side to the open side that starts where it ends, through the triangles between.
+  // The triangles must agree.
+  std::uint32_t NextOpen(std::uint32_t side) const {
+    for (side = NextSide(side); !open(side);) side = NextSide(mate[side]);
+    return side;
+  }
   void Cut(std::uint32_t side) { cut[side] = cut[mate[side]] = true; }
   void Join(std::uint32_t side) { cut[side] = cut[mate[side]] = false; }
 };

@@ -34,4 +34,21 @@ Developable ConePatch(std::size_t sectors, std::size_t rings, double inner, doub
 // A cap of the unit sphere around the north pole down to `polar_angle` radians: not developable.
 SurfaceMesh SphereCap(std::size_t rings, std::size_t sectors, double polar_angle);
 
+// A whole sphere of radius 1 by latitude and longitude; closed, genus 0.
+SurfaceMesh Sphere(std::size_t rings, std::size_t sectors);
+
+// A torus around the z axis; closed, genus 1. `around` × `across` cells of two triangles.
+SurfaceMesh Torus(std::size_t around, std::size_t across, double radius, double tube);
+
+// A plate of (2·holes + 1) × 3 × 1 unit cubes with square holes through it; closed, of genus
+// `holes`. Every unit square has `cells` × `cells` cells of two triangles.
+SurfaceMesh PlateWithHoles(std::size_t holes, std::size_t cells);
+
+// A band with a half twist of `n` cells along and one across, two vertices at every step.
+SurfaceMesh MoebiusBand(std::size_t n);
+
+// Both, the second moved by `shift`; vertices and triangles of the first come first.
+SurfaceMesh Together(const SurfaceMesh& first, const SurfaceMesh& second,
+                     const Eigen::Vector3d& shift);
+
 }  // namespace arap::testing

@@ -124,22 +124,7 @@ TEST(ValidationTest, OrientsASurface) {
 }
 
 TEST(ValidationTest, NamesAMoebiusStrip) {
-  SurfaceMesh strip;
-  constexpr std::uint32_t n = 12;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const double a = 2 * 3.14159265358979 * i / n;
-    for (const double s : {-0.3, 0.3}) {
-      const double r = 1 + s * std::cos(a / 2);
-      strip.vertices.emplace_back(r * std::cos(a), r * std::sin(a), s * std::sin(a / 2));
-    }
-  }
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const std::uint32_t a = 2 * i, b = 2 * i + 1;
-    const bool last = i + 1 == n;  // the last quad closes with its ends swapped
-    const std::uint32_t c = last ? 1 : 2 * i + 2, d = last ? 0 : 2 * i + 3;
-    strip.triangles.push_back({a, c, b});
-    strip.triangles.push_back({b, c, d});
-  }
+  SurfaceMesh strip = MoebiusBand(12);
   const auto result = ValidateSurface(strip, {});
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().kind, FaultKind::kNotOrientable);

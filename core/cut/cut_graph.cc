@@ -1,0 +1,189 @@
+#include "core/cut/cut_graph.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <numeric>
+
+namespace arap {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t kCheckEvery = 1u << 14;
+
+// Ends of the tree on a closed chart: at most this many, and none that lies nearer to the tree than
+// this part of how far the second end lies from the first.
+constexpr std::size_t kMaxEnds = 8;
+constexpr double kWorthAnEnd = 0.4;
+
+}  // namespace
+
+CutGraph::CutGraph(CutField& field, const CancelToken& cancel)
+    : field_(field),
+      cancel_(cancel),
+      leader_(field.vertex_count()),
+      distance_(field.vertex_count(), kInfinity),
+      parent_(field.vertex_count(), kNone),
+      cotree_(field.triangles().size()) {
+  std::iota(leader_.begin(), leader_.end(), 0u);
+}
+
+Result<std::vector<std::uint32_t>> CutGraph::Draw(const Chart& chart) {
+  ContractBoundaries(chart);
+  std::uint32_t root = chart.vertices.front();
+  if (chart.closed()) {
+    for (const std::uint32_t v : chart.vertices) {
+      const double more = field_.Curvature(v) - field_.Curvature(root);
+      if (more > 0 || (more == 0 && v < root)) root = v;
+    }
+  } else {
+    root = field_.Start(chart.boundary_starts.front());
+  }
+  Reach(root, 0, kNone);
+  if (auto ok = Grow(); !ok) return Fail(std::move(ok.error()));
+  if (chart.closed() && chart.genus == 0) return DrawTree(chart);
+  for (const std::uint32_t side : chart.boundary_starts) DrawPathToRoot(field_.Start(side));
+  if (chart.genus > 0) DrawHandles(chart);
+  return std::vector<std::uint32_t>{};
+}
+
+void CutGraph::ContractBoundaries(const Chart& chart) {
+  for (const std::uint32_t start : chart.boundary_starts) {
+    std::uint32_t side = start;
+    do {
+      leader_[field_.Start(side)] = field_.Start(start);
+      side = field_.gluing().NextOpen(side);
+    } while (side != start);
+  }
+}
+
+// Through `side`, which ends at `vertex`.
+void CutGraph::Reach(std::uint32_t vertex, double distance, std::uint32_t side) {
+  const std::uint32_t leader = leader_[vertex];
+  if (distance >= distance_[leader]) return;
+  distance_[leader] = distance;
+  parent_[leader] = side;
+  queue_.emplace(distance, leader);
+}
+
+// Settles everything that was reached, and what can be reached from there.
+Status CutGraph::Grow() {
+  const auto leave = [this](std::uint32_t vertex, double distance) {
+    field_.ForEachLeaving(vertex, [&](std::uint32_t side) {
+      Reach(field_.End(side), distance + field_.Cost(side), side);
+    });
+  };
+  for (std::size_t step = 1; !queue_.empty(); ++step) {
+    if (step % kCheckEvery == 0) {
+      if (auto ok = cancel_.Check(); !ok) return ok;
+    }
+    const auto [distance, vertex] = queue_.top();
+    queue_.pop();
+    if (distance > distance_[vertex]) continue;
+    if (!field_.OnRim(vertex)) {
+      leave(vertex, distance);
+      continue;
+    }
+    // A whole boundary loop. Nothing of this chart has been drawn yet: what is open is the rim.
+    const std::uint32_t start = field_.Leaving(vertex);
+    std::uint32_t side = start;
+    do {
+      leave(field_.Start(side), distance);
+      side = field_.gluing().NextOpen(side);
+    } while (side != start);
+  }
+  return {};
+}
+
+bool CutGraph::InTree(std::uint32_t side) const {
+  return parent_[leader_[field_.End(side)]] == side;
+}
+
+void CutGraph::DrawPathToRoot(std::uint32_t vertex) {
+  while (true) {
+    const std::uint32_t side = parent_[leader_[vertex]];
+    if (side == kNone || field_.Drawn(side)) return;
+    field_.Draw(side);
+    vertex = field_.Start(side);
+  }
+}
+
+// The edges outside the tree are crossed by the cotree, those with the dearest loops to the root
+// first. What neither holds are two loops for every handle.
+void CutGraph::DrawHandles(const Chart& chart) {
+  struct Crossing {
+    double loop;
+    std::uint32_t side;
+  };
+  std::vector<Crossing> crossings;
+  for (const std::uint32_t t : chart.triangles) {
+    for (std::uint32_t side = 3 * t; side < 3 * t + 3; ++side) {
+      if (field_.Rim(side)) continue;
+      const std::uint32_t mate = field_.gluing().mate[side];
+      if (mate < side || InTree(side) || InTree(mate)) continue;
+      const double loop = distance_[leader_[field_.Start(side)]] +
+                          distance_[leader_[field_.End(side)]] + field_.Cost(side);
+      crossings.push_back({loop, side});
+    }
+  }
+  std::sort(crossings.begin(), crossings.end(), [](const Crossing& a, const Crossing& b) {
+    return a.loop != b.loop ? a.loop > b.loop : a.side < b.side;
+  });
+  for (const Crossing& crossing : crossings) {
+    const std::uint32_t a = cotree_.Find(crossing.side / 3);
+    const std::uint32_t b = cotree_.Find(field_.gluing().mate[crossing.side] / 3);
+    if (a != b) {
+      cotree_.Join(a, b);
+      continue;
+    }
+    field_.Draw(crossing.side);
+    DrawPathToRoot(field_.Start(crossing.side));
+    DrawPathToRoot(field_.End(crossing.side));
+  }
+}
+
+// A cut of one edge opens nothing: the cheapest edge from `vertex` that does not lead back.
+std::uint32_t CutGraph::DrawSecondEdge(std::uint32_t vertex, std::uint32_t back) {
+  std::uint32_t best = kNone;
+  field_.ForEachLeaving(vertex, [&](std::uint32_t side) {
+    if (field_.End(side) == back) return;
+    if (best == kNone || field_.Cost(side) < field_.Cost(best)) best = side;
+  });
+  field_.Draw(best);
+  return field_.End(best);
+}
+
+// From the root to the vertex that is farthest, far counting more where the curvature is high, then
+// from there to the next, as long as it is worth it.
+Result<std::vector<std::uint32_t>> CutGraph::DrawTree(const Chart& chart) {
+  std::vector<std::uint32_t> ends;
+  double second = 0;
+  for (const std::uint32_t v : chart.vertices) {
+    if (parent_[v] == kNone) ends.push_back(v);
+  }
+  while (ends.size() < kMaxEnds) {
+    double farthest = -1;
+    std::uint32_t end = kNone;
+    for (const std::uint32_t v : chart.vertices) {
+      if (distance_[v] < farthest || (distance_[v] == farthest && v > end)) continue;
+      if (parent_[v] == kNone) continue;
+      farthest = distance_[v], end = v;
+    }
+    if (ends.size() == 1) second = farthest;
+    if (end == kNone || farthest < kWorthAnEnd * second) break;
+    ends.push_back(end);
+    std::vector<std::uint32_t> path{end};
+    while (parent_[path.back()] != kNone) path.push_back(field_.Start(parent_[path.back()]));
+    DrawPathToRoot(end);
+    if (ends.size() == 2 && path.size() == 2) {
+      path.push_back(DrawSecondEdge(end, path.back()));
+      ends.push_back(path.back());
+    }
+    for (const std::uint32_t v : path) Reach(v, 0, kNone);
+    for (const std::uint32_t v : path) parent_[v] = kNone;
+    if (auto ok = Grow(); !ok) return Fail(std::move(ok.error()));
+  }
+  return ends;
+}
+
+}  // namespace arap
