@@ -28,6 +28,8 @@ const char* FaultName(FaultKind kind) {
       return "not_a_disk";
     case FaultKind::kUnknownEdge:
       return "unknown_edge";
+    case FaultKind::kNotInjective:
+      return "not_injective";
     case FaultKind::kMeshTooLarge:
       return "mesh_too_large";
     case FaultKind::kInvalidOption:

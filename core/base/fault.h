@@ -27,6 +27,7 @@ enum class FaultKind {
   kNotOrientable,        // no consistent orientation exists
   kNotADisk,             // a surface to flatten that is not one disk
   kUnknownEdge,          // a seam that is no edge of the mesh
+  kNotInjective,         // no layout without a flipped triangle was reached
   kMeshTooLarge,         // more vertices or triangles than the limit
   // Options.
   kInvalidOption,  // an option out of its range

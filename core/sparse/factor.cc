@@ -136,7 +136,7 @@ template <class Scalar>
 Factor<Scalar>::~Factor() = default;
 
 template <class Scalar>
-Result<std::shared_ptr<const Factor<Scalar>>> Factor<Scalar>::Make(
+Result<std::unique_ptr<Factor<Scalar>>> Factor<Scalar>::Analyse(
     const Eigen::SparseMatrix<Scalar>& lower, FactorLayout layout, std::span<const int> order) {
   UseOneBlasThread();
   auto data = std::make_unique<FactorData>();
@@ -149,15 +149,35 @@ Result<std::shared_ptr<const Factor<Scalar>>> Factor<Scalar>::Make(
   // cholmod_analyze_p does not write to the permutation.
   int* given = order.empty() ? nullptr : const_cast<int*>(order.data());
   data->factor = cholmod_analyze_p(&matrix, given, nullptr, 0, common);
-  if (data->factor) cholmod_factorize(&matrix, data->factor, common);
-  if (!data->factor || common->status != CHOLMOD_OK ||
-      data->factor->minor != static_cast<std::size_t>(lower.rows()) ||
-      !HasPositivePivots(*data->factor)) {
+  if (!data->factor || common->status != CHOLMOD_OK) {
+    return Fail(FaultKind::kNumerical,
+                fmt::format("analysing {} unknowns: {}", lower.rows(), StatusText(common->status)));
+  }
+  return std::unique_ptr<Factor>(new Factor(std::move(data)));
+}
+
+template <class Scalar>
+Status Factor<Scalar>::Again(const Eigen::SparseMatrix<Scalar>& lower) {
+  cholmod_common* common = data_->common.get();
+  cholmod_sparse matrix = View(lower);
+  cholmod_factorize(&matrix, data_->factor, common);
+  if (common->status != CHOLMOD_OK ||
+      data_->factor->minor != static_cast<std::size_t>(lower.rows()) ||
+      !HasPositivePivots(*data_->factor)) {
     const int status = common->status == CHOLMOD_OK ? CHOLMOD_NOT_POSDEF : common->status;
     return Fail(FaultKind::kNumerical,
                 fmt::format("factoring {} unknowns: {}", lower.rows(), StatusText(status)));
   }
-  return std::shared_ptr<const Factor>(new Factor(std::move(data)));
+  return {};
+}
+
+template <class Scalar>
+Result<std::shared_ptr<const Factor<Scalar>>> Factor<Scalar>::Make(
+    const Eigen::SparseMatrix<Scalar>& lower, FactorLayout layout, std::span<const int> order) {
+  auto factor = Analyse(lower, layout, order);
+  if (!factor) return Fail(std::move(factor.error()));
+  if (auto ok = (*factor)->Again(lower); !ok) return Fail(std::move(ok.error()));
+  return std::shared_ptr<const Factor>(std::move(*factor));
 }
 
 template <class Scalar>

@@ -1,7 +1,8 @@
 // Factor: a sparse Hermitian positive definite matrix, factored once and shared by many solvers.
 //
-// The only door to CHOLMOD. A Factor is immutable and may be used by many threads at once, each
-// with a Workspace of its own [algorithm §8].
+// The only door to CHOLMOD. A const Factor may be used by many threads at once, each with a
+// Workspace of its own [algorithm §8]. A job that factors one pattern over and over keeps a Factor
+// of its own that is not const: Analyse once, then Again with each set of values.
 #pragma once
 
 #include <complex>
@@ -49,6 +50,16 @@ class Factor {
                                                     FactorLayout layout,
                                                     std::span<const int> order = {});
   ~Factor();
+
+  // The half of Make that looks at the pattern alone (order, fill). Again must follow before the
+  // first Solve. Fault: kNumerical when memory runs out.
+  static Result<std::unique_ptr<Factor>> Analyse(const Eigen::SparseMatrix<Scalar>& lower,
+                                                 FactorLayout layout,
+                                                 std::span<const int> order = {});
+  // The other half: factors a matrix of the analysed pattern in place of the one before. Not
+  // thread-safe. After a fault (kNumerical: not positive definite) it must succeed once before the
+  // next Solve.
+  Status Again(const Eigen::SparseMatrix<Scalar>& lower);
 
   // Solves for `columns` right-hand sides stored one after the other (#n·columns). The answer is
   // laid out alike, lives in the workspace, and is valid until its next use.

@@ -84,6 +84,29 @@ TYPED_TEST(FactorTest, TakesTheOrderOfAnother) {
   for (std::size_t i = 0; i < b.size(); ++i) EXPECT_LE(std::abs(x[i] - y[i]), 1e-14);
 }
 
+TYPED_TEST(FactorTest, FactorsTheSamePatternAgain) {
+  using Scalar = TypeParam;
+  for (const FactorLayout layout : {FactorLayout::kSupernodal, FactorLayout::kSimplicial}) {
+    const auto a = RandomMatrix<Scalar>(90, 10);
+    const Eigen::SparseMatrix<Scalar> lower =
+        Eigen::SparseMatrix<Scalar>(a.sparseView()).template triangularView<Eigen::Lower>();
+    auto factor = Factor<Scalar>::Analyse(lower, layout);
+    ASSERT_TRUE(factor.has_value()) << factor.error().message;
+    const std::vector<Scalar> b(90, Scalar(1));
+    Workspace workspace;
+    ASSERT_TRUE((*factor)->Again(lower).has_value());
+    const auto once = (*factor)->Solve(b, 1, workspace);
+    const std::vector<Scalar> first(once.begin(), once.end());
+    EXPECT_FALSE((*factor)->Again(-lower).has_value());  // and a failure does no lasting harm
+    ASSERT_TRUE((*factor)->Again(2 * lower).has_value());
+    const auto half = (*factor)->Solve(b, 1, workspace);
+    for (std::size_t i = 0; i < b.size(); ++i) EXPECT_LE(std::abs(2.0 * half[i] - first[i]), 1e-14);
+    ASSERT_TRUE((*factor)->Again(lower).has_value());
+    const auto again = (*factor)->Solve(b, 1, workspace);
+    for (std::size_t i = 0; i < b.size(); ++i) EXPECT_EQ(again[i], first[i]);
+  }
+}
+
 TYPED_TEST(FactorTest, NamesAMatrixThatIsNotPositiveDefinite) {
   using Scalar = TypeParam;
   auto a = RandomMatrix<Scalar>(30, 7);
