@@ -1,0 +1,548 @@
+// Layouts without flips: the energy and its derivatives, the start, the descent, the refusal.
+#include "core/flatten/injective.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "core/flatten/distortion.h"
+#include "core/flatten/energy_density.h"
+#include "core/flatten/newton.h"
+#include "core/flatten/tutte.h"
+#include "core/flatten/upright.h"
+#include "tests/support/compare.h"
+#include "tests/support/meshes.h"
+#include "tests/support/random.h"
+#include "tests/support/surfaces.h"
+
+namespace arap::testing {
+namespace {
+
+constexpr double kHard = std::numeric_limits<double>::infinity();
+using Loops = std::vector<std::vector<std::uint32_t>>;
+
+// Boundary loops in the direction of their triangles, longest first.
+Loops WalkLoops(const SurfaceMesh& mesh) {
+  std::map<std::uint32_t, std::uint32_t> next;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, bool> sides;
+  for (const Triangle& t : mesh.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) sides[{t[k], t[(k + 1) % 3]}] = true;
+  }
+  for (const auto& [side, _] : sides) {
+    if (!sides.contains({side.second, side.first})) next[side.first] = side.second;
+  }
+  Loops loops;
+  while (!next.empty()) {
+    loops.emplace_back();
+    for (auto at = next.begin(); at != next.end(); at = next.find(loops.back().front())) {
+      std::uint32_t v = at->first;
+      while (next.contains(v)) {
+        loops.back().push_back(v);
+        const std::uint32_t w = next[v];
+        next.erase(v);
+        v = w;
+      }
+    }
+  }
+  const auto length = [&](const std::vector<std::uint32_t>& loop) {
+    double sum = 0;
+    for (std::size_t k = 0; k < loop.size(); ++k) {
+      sum += (mesh.vertices[loop[k]] - mesh.vertices[loop[(k + 1) % loop.size()]]).norm();
+    }
+    return sum;
+  };
+  std::stable_sort(loops.begin(), loops.end(),
+                   [&](const auto& a, const auto& b) { return length(a) > length(b); });
+  return loops;
+}
+
+SurfaceMesh UnitDiagonal(SurfaceMesh mesh) {
+  Eigen::Vector3d low = mesh.vertices[0], high = low;
+  for (const auto& p : mesh.vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const double diagonal = (high - low).norm();
+  for (auto& p : mesh.vertices) p = (p - low) / diagonal;
+  return mesh;
+}
+
+// A bumpy finger, open at its root: `rings` around, one vertex at the tip.
+SurfaceMesh Finger(std::size_t rings, std::size_t sectors, double length) {
+  SurfaceMesh mesh = SphereCap(rings, sectors, 1.0);  // for its triangles
+  mesh.vertices[0] = {0, 0, length + 0.5};
+  for (std::size_t v = 1; v < mesh.vertices.size(); ++v) {
+    const std::size_t ring = (v - 1) / sectors, sector = (v - 1) % sectors;
+    const double z = length * (1 - static_cast<double>(ring) / static_cast<double>(rings - 1));
+    const double angle =
+        2 * std::numbers::pi * static_cast<double>(sector) / static_cast<double>(sectors);
+    const double radius = 0.5 + 0.12 * std::sin(7 * z) + 0.08 * std::sin(5 * angle + 3 * z);
+    mesh.vertices[v] = {radius * std::cos(angle), radius * std::sin(angle), z};
+  }
+  return UnitDiagonal(mesh);
+}
+
+// The cap of the unit sphere that holds `share` of its area.
+SurfaceMesh Cap(std::size_t rings, std::size_t sectors, double share) {
+  return UnitDiagonal(SphereCap(rings, sectors, std::acos(1 - 2 * share)));
+}
+
+SurfaceMesh Lifted(const PlanarMesh& mesh) {
+  SurfaceMesh result;
+  for (const Complex p : mesh.vertices) {
+    result.vertices.emplace_back(p.real(), p.imag(), 0.3 * std::sin(p.real()) * p.imag());
+  }
+  result.triangles = mesh.triangles;
+  return UnitDiagonal(result);
+}
+
+Result<InjectiveLayout> Lay(const SurfaceMesh& mesh, const std::vector<Complex>& start = {},
+                            const InjectiveOptions& options = {}) {
+  return FlattenInjective(mesh, WalkLoops(mesh), start, options);
+}
+
+// Recounts: no triangle flipped or flat, no inner vertex wound twice, energy as reported.
+void ExpectInjective(const SurfaceMesh& mesh, const Result<InjectiveLayout>& layout) {
+  ASSERT_TRUE(layout.has_value()) << layout.error().message;
+  ASSERT_TRUE(AllFinite(layout->uv));
+  std::vector<double> around(mesh.vertices.size(), 0);
+  for (const Triangle& t : mesh.triangles) {
+    ASSERT_GT(SignedArea(t, layout->uv), 0);
+    for (std::size_t k = 0; k < 3; ++k) {
+      around[t[k]] += std::arg((layout->uv[t[(k + 2) % 3]] - layout->uv[t[k]]) /
+                               (layout->uv[t[(k + 1) % 3]] - layout->uv[t[k]]));
+    }
+  }
+  for (const auto& loop : WalkLoops(mesh)) {
+    for (const std::uint32_t v : loop) around[v] = 0;
+  }
+  for (const double angle : around) EXPECT_LE(angle, 2 * std::numbers::pi + 1e-6);
+  std::vector<std::array<double, 2>> singular;
+  const Distortion distortion = Measure(mesh, layout->uv, singular);
+  EXPECT_EQ(distortion.flipped, 0u);
+  EXPECT_NEAR(distortion.symmetric_dirichlet, layout->energy, 1e-9 * layout->energy);
+}
+
+double WorstEdge(const SurfaceMesh& mesh, const std::vector<Complex>& uv) {
+  double worst = 0;
+  for (const Triangle& t : mesh.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+      const double length = (mesh.vertices[a] - mesh.vertices[b]).norm();
+      worst = std::max(worst, std::abs(std::abs(uv[a] - uv[b]) / length - 1));
+    }
+  }
+  return worst;
+}
+
+std::vector<Complex> Noise(std::size_t count, double size, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Complex> noise(count);
+  for (Complex& z : noise) {
+    const double x = random.Uniform(-size, size), y = random.Uniform(-size, size);
+    z = {x, y};
+  }
+  return noise;
+}
+
+// Plane positions of a planar mesh scaled like its lifted surface.
+std::vector<Complex> From(const PlanarMesh& mesh, double scale) {
+  std::vector<Complex> uv = mesh.vertices;
+  for (Complex& z : uv) z *= scale;
+  return uv;
+}
+
+// ---- Energies
+
+template <class Value, class Derivatives>
+void ExpectDerivatives(double a, double b, Value value, Derivatives derivatives) {
+  const Density d = derivatives(a, b);
+  const double h = 1e-4 * std::min(1.0, std::max(a, b));
+  const double da = (value(a + h, b) - value(a - h, b)) / (2 * h);
+  const double db = (value(a, b + h) - value(a, b - h)) / (2 * h);
+  const double size = std::abs(value(a, b)) + 1;
+  EXPECT_NEAR(d.twist * a, da, 1e-5 * size) << a << ' ' << b;
+  EXPECT_NEAR(d.shear * b, db, 1e-5 * size) << a << ' ' << b;
+  const double mid = value(a, b);
+  EXPECT_NEAR(d.aa, (value(a + h, b) - 2 * mid + value(a - h, b)) / (h * h), 1e-3 * size);
+  EXPECT_NEAR(d.bb, (value(a, b + h) - 2 * mid + value(a, b - h)) / (h * h), 1e-3 * size);
+  EXPECT_NEAR(
+      d.ab,
+      (value(a + h, b + h) - value(a + h, b - h) - value(a - h, b + h) + value(a - h, b - h)) /
+          (4 * h * h),
+      1e-3 * size);
+}
+
+TEST(EnergyDensityTest, HasTheDerivativesOfItsValue) {
+  for (const auto& [a, b] : {std::pair{1.0, 0.2}, {2.0, 1.2}, {0.9, 0.05}, {1.4, 0.7}}) {
+    ExpectDerivatives(a, b, SymmetricDirichlet, SymmetricDirichletDensity);
+  }
+  for (const double epsilon : {0.5, 1.0}) {
+    for (const auto& [a, b] : {std::pair{1.0, 0.2}, {0.5, 0.9}, {0.7, 0.7}, {1.5, 0.3}}) {
+      ExpectDerivatives(
+          a, b, [&](double x, double y) { return Untangling(x, y, epsilon); },
+          [&](double x, double y) { return UntanglingDensity(x, y, epsilon); });
+    }
+  }
+}
+
+TEST(EnergyDensityTest, IsLeastAtAnIsometryAndInfiniteAtACollapse) {
+  EXPECT_EQ(SymmetricDirichlet(1, 0), 0);
+  EXPECT_NEAR(SymmetricDirichlet(1 + 1e-9, 0), 8e-18, 1e-23);  // no cancellation
+  EXPECT_TRUE(std::isinf(SymmetricDirichlet(0.5, 0.5)));
+  EXPECT_TRUE(std::isinf(SymmetricDirichlet(0.5, 0.6)));
+  // s1 = 2, s2 = 1/2: 4 + 1/4 + 1/4 + 4, less 4.
+  EXPECT_NEAR(SymmetricDirichlet(1.25, 0.75), 4.5, 1e-14);
+  EXPECT_NEAR(Untangling(1, 0, 1e-9), 0, 1e-12);
+  EXPECT_TRUE(std::isfinite(Untangling(0, 1, 1e-3)));
+}
+
+TEST(NewtonTest, SlopeIsThatOfTheEnergyAlongTheStep) {
+  const PlanarMesh plane = JitteredGrid(6, 5, 3);
+  const SurfaceMesh mesh = Lifted(plane);
+  std::vector<Complex> uv = From(plane, 1 / 8.0);
+  const auto noise = Noise(uv.size(), 0.01, 5);
+  for (std::size_t v = 0; v < uv.size(); ++v) uv[v] += noise[v];
+  const std::vector<LayoutPin> pins{{3, {0.1, 0.4}, 0.7}, {8, uv[8], kHard}};
+  auto newton = Newton::Make(mesh, pins, {});
+  ASSERT_TRUE(newton.has_value());
+  for (const double epsilon : {0.0, 0.3}) {
+    const auto step = newton->Direction(uv, epsilon);
+    ASSERT_TRUE(step.has_value());
+    EXPECT_EQ(step->move[8], Complex(0));
+    EXPECT_LT(step->slope, 0);
+    const double h = 1e-6;
+    std::vector<Complex> ahead = uv, behind = uv;
+    for (std::size_t v = 0; v < uv.size(); ++v) {
+      ahead[v] += h * step->move[v];
+      behind[v] -= h * step->move[v];
+    }
+    const double slope =
+        (newton->Energy(ahead, epsilon) - newton->Energy(behind, epsilon)) / (2 * h);
+    EXPECT_NEAR(step->slope, slope, 1e-6 * std::abs(slope));
+  }
+}
+
+TEST(NewtonTest, ConvergesQuadraticallyToAnIsometry) {
+  const Developable made = Accordion(8, 6, 4, 1, 2.4, 2);
+  auto newton = Newton::Make(made.surface, {}, {});
+  ASSERT_TRUE(newton.has_value());
+  std::vector<Complex> uv = made.flat;
+  const auto noise = Noise(uv.size(), 1e-4, 7);
+  for (std::size_t v = 0; v < uv.size(); ++v) uv[v] += noise[v];
+  double energy = newton->Energy(uv, 0);
+  for (int i = 0; i < 2; ++i) {
+    const auto step = newton->Direction(uv, 0);
+    ASSERT_TRUE(step.has_value());
+    for (std::size_t v = 0; v < uv.size(); ++v) uv[v] += step->move[v];
+    const double next = newton->Energy(uv, 0);
+    EXPECT_LT(next, 1e-3 * energy);
+    energy = next;
+  }
+}
+
+TEST(NewtonTest, LimitIsWhereTheFirstTriangleCollapses) {
+  const PlanarMesh plane = JitteredGrid(6, 5, 4);
+  const SurfaceMesh mesh = Lifted(plane);
+  auto newton = Newton::Make(mesh, {}, {});
+  ASSERT_TRUE(newton.has_value());
+  const auto move = Noise(plane.vertices.size(), 1, 6);
+  const double limit = newton->Limit(plane.vertices, move);
+  ASSERT_TRUE(limit > 0 && std::isfinite(limit));
+  const auto at = [&](double t) {
+    std::vector<Complex> uv = plane.vertices;
+    for (std::size_t v = 0; v < uv.size(); ++v) uv[v] += t * move[v];
+    return newton->LeastDeterminant(uv);
+  };
+  EXPECT_GT(at(0.5 * limit), 0);
+  EXPECT_GT(at((1 - 1e-6) * limit), 0);
+  EXPECT_LT(at((1 + 1e-6) * limit), 0);
+  const std::vector<Complex> still(move.size(), Complex(1, 2));
+  EXPECT_TRUE(std::isinf(newton->Limit(plane.vertices, still)));
+}
+
+// ---- Upright
+
+TEST(UprightTest, NeedsAnAreaBeyondRounding) {
+  EXPECT_TRUE(Upright({0, 0}, {1, 0}, {0, 1}));
+  EXPECT_FALSE(Upright({0, 0}, {0, 1}, {1, 0}));
+  EXPECT_FALSE(Upright({0, 0}, {1, 1}, {2, 2}));
+  EXPECT_TRUE(Upright({0, 0}, {1, 0}, {0, 1e-12}));
+  EXPECT_FALSE(Upright({1, 1}, {2, 1}, {1, 1 + 2e-16}));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(Upright({0, 0}, {1, 0}, {0, nan}));
+  EXPECT_FALSE(Upright({0, 0}, {1, 0}, {0, kHard}));
+}
+
+TEST(UprightTest, SeesAVertexThatIsWoundTwice) {
+  // Twelve triangles round vertex 0; each spans 30° or, the second time, 60° of the plane.
+  std::vector<Triangle> fan;
+  for (std::uint32_t k = 0; k < 12; ++k) fan.push_back({0, 1 + k, 1 + (k + 1) % 12});
+  std::vector<bool> boundary(13, true);
+  boundary[0] = false;
+  for (const int turns : {1, 2}) {
+    std::vector<Complex> uv{0};
+    for (int k = 0; k < 12; ++k) uv.push_back(std::polar(1.0, turns * k * std::numbers::pi / 6));
+    EXPECT_TRUE(NotUpright(fan, uv).empty());
+    EXPECT_EQ(WoundTwice(fan, uv, boundary).size(), turns == 1 ? 0u : 1u);
+  }
+}
+
+// ---- The start
+
+TEST(TutteTest, LaysEveryDiskAndRingOut) {
+  for (const SurfaceMesh& mesh :
+       {Lifted(SingleTriangle()), Lifted(Strip(9)), Lifted(JitteredGrid(9, 7, 2)),
+        Lifted(Annulus(4, 20, 1, 3)), Cap(12, 24, 0.95)}) {
+    for (const TutteWeights weights : {TutteWeights::kUniform, TutteWeights::kCotangent}) {
+      const auto uv = TutteEmbedding(mesh, WalkLoops(mesh), weights);
+      ASSERT_TRUE(uv.has_value());
+      EXPECT_TRUE(NotUpright(mesh.triangles, *uv).empty());
+      for (const Complex z : *uv) EXPECT_LE(std::abs(z), 1 + 1e-12);
+    }
+  }
+}
+
+// ---- The descent
+
+TEST(InjectiveTest, LaysDeepSurfacesOutWithoutAFlip) {
+  for (const SurfaceMesh& mesh :
+       {Cap(24, 40, 0.5), Cap(24, 40, 0.95), Cap(24, 40, 0.999), Finger(60, 24, 6),
+        Lifted(Annulus(4, 20, 1, 3)), Lifted(Strip(9)), Lifted(SingleTriangle())}) {
+    const auto layout = Lay(mesh);
+    ExpectInjective(mesh, layout);
+    EXPECT_EQ(layout->start, InjectiveStart::kTutte);
+    EXPECT_LT(layout->iterations, 100);
+  }
+}
+
+TEST(InjectiveTest, UntanglesAFingerTooLongForDoubles) {
+  const SurfaceMesh finger = Finger(240, 8, 40);
+  for (const TutteWeights weights : {TutteWeights::kUniform, TutteWeights::kCotangent}) {
+    const auto tutte = TutteEmbedding(finger, WalkLoops(finger), weights);
+    ASSERT_FALSE(NotUpright(finger.triangles, *tutte).empty());  // else this tests nothing
+  }
+  const auto layout = Lay(finger);
+  ExpectInjective(finger, layout);
+  EXPECT_EQ(layout->start, InjectiveStart::kUntangled);
+}
+
+TEST(InjectiveTest, EndsAtAMinimum) {
+  const SurfaceMesh cap = Cap(16, 32, 0.8);
+  const auto layout = Lay(cap);
+  ExpectInjective(cap, layout);
+  auto newton = Newton::Make(cap, {}, {});
+  ASSERT_TRUE(newton.has_value());
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::vector<Complex> near = layout->uv;
+    const auto noise = Noise(near.size(), 1e-3, seed);
+    for (std::size_t v = 0; v < near.size(); ++v) near[v] += noise[v];
+    EXPECT_GE(newton->Energy(near, 0) + 4, layout->energy);
+  }
+  // Whatever the start, the same minimum.
+  std::vector<Complex> flipped = layout->uv;
+  for (Complex& z : flipped) z = std::conj(z);
+  const auto again = Lay(cap, flipped);
+  ExpectInjective(cap, again);
+  EXPECT_NEAR(again->energy, layout->energy, 1e-4 * layout->energy);
+}
+
+TEST(InjectiveTest, LeavesAnIsometryAsItIs) {
+  for (const Developable& made :
+       {Accordion(8, 6, 4, 1, 2.4, 2), ConePatch(30, 10, 1, 3, 4.4, 5.9, 3)}) {
+    const auto layout = Lay(made.surface, made.flat);
+    ExpectInjective(made.surface, layout);
+    EXPECT_EQ(layout->iterations, 0);
+    EXPECT_EQ(layout->uv, made.flat);
+    EXPECT_EQ(layout->start, InjectiveStart::kGiven);
+  }
+}
+
+TEST(InjectiveTest, FindsTheIsometryOfADevelopable) {
+  for (const Developable& made : {RolledSheet(40, 12, 10, 4, 1.5, 1), Accordion(8, 6, 4, 1, 2.4, 2),
+                                  ConePatch(30, 10, 1, 3, 4.4, 5.9, 3)}) {
+    const SurfaceMesh mesh = UnitDiagonal(made.surface);
+    const auto layout = Lay(mesh);
+    ExpectInjective(mesh, layout);
+    EXPECT_NEAR(layout->energy, 4, 1e-12);
+    EXPECT_LE(WorstEdge(mesh, layout->uv), 1e-8);
+  }
+}
+
+TEST(InjectiveTest, GivesTheSameBytes) {
+  const SurfaceMesh finger = Finger(40, 16, 4);
+  const auto first = Lay(finger), second = Lay(finger);
+  ASSERT_TRUE(first.has_value() && second.has_value());
+  EXPECT_EQ(first->uv, second->uv);
+  EXPECT_EQ(first->iterations, second->iterations);
+}
+
+TEST(InjectiveTest, TakesAnyStart) {
+  const SurfaceMesh cap = Cap(10, 20, 0.9);
+  std::vector<Complex> nan(cap.vertices.size(), std::numeric_limits<double>::quiet_NaN());
+  const std::vector<Complex> zero(cap.vertices.size(), 0);
+  for (const auto& start : {nan, zero, Noise(cap.vertices.size(), 1, 3)}) {
+    const auto layout = Lay(cap, start);
+    ExpectInjective(cap, layout);
+    EXPECT_EQ(layout->start, InjectiveStart::kTutte);
+  }
+  // A doubly wound start has upright triangles only, yet is refused: z ↦ z² of a fan.
+  SurfaceMesh fan;
+  fan.vertices.emplace_back(0, 0, 0);
+  std::vector<Complex> twice{0};
+  for (std::uint32_t k = 0; k < 12; ++k) {
+    const double angle = k * std::numbers::pi / 6;
+    fan.vertices.emplace_back(std::cos(angle), std::sin(angle), 0.3 * std::sin(4 * angle));
+    twice.push_back(std::polar(1.0, 2 * angle));
+    fan.triangles.push_back({0, 1 + k, 1 + (k + 1) % 12});
+  }
+  EXPECT_TRUE(NotUpright(fan.triangles, twice).empty());
+  const auto layout = Lay(fan, twice);
+  ExpectInjective(fan, layout);
+  EXPECT_EQ(layout->start, InjectiveStart::kTutte);
+}
+
+// ---- Pins
+
+TEST(InjectivePinsTest, HardPinsAreMetExactly) {
+  const SurfaceMesh cap = Cap(10, 20, 0.5);
+  const auto last = static_cast<std::uint32_t>(cap.vertices.size() - 1);
+  InjectiveOptions options;
+  options.pins = {
+      {0, {0.1, 0.2}, kHard}, {last, {0.9, 0.3}, kHard}, {last - 7, {0.2, -0.6}, kHard}};
+  const auto layout = Lay(cap, {}, options);
+  ASSERT_TRUE(layout.has_value()) << layout.error().message;
+  EXPECT_TRUE(NotUpright(cap.triangles, layout->uv).empty());
+  for (const LayoutPin& pin : options.pins) EXPECT_EQ(layout->uv[pin.vertex], pin.uv);
+}
+
+TEST(InjectivePinsTest, SoftPinsPull) {
+  const SurfaceMesh cap = Cap(10, 20, 0.5);
+  const auto last = static_cast<std::uint32_t>(cap.vertices.size() - 1);
+  const auto free = Lay(cap);
+  ASSERT_TRUE(free.has_value());
+  const Complex here = free->uv[last], there = here + 0.2 * (here - free->uv[0]);
+  double before = std::abs(here - there);
+  for (const double weight : {0.1, 10.0, 1e4}) {
+    InjectiveOptions options;
+    options.pins = {{0, free->uv[0], weight}, {last, there, weight}};
+    const auto layout = Lay(cap, free->uv, options);
+    ASSERT_TRUE(layout.has_value());
+    EXPECT_TRUE(NotUpright(cap.triangles, layout->uv).empty());
+    const double now = std::abs(layout->uv[last] - there);
+    EXPECT_LT(now, before);
+    before = now;
+  }
+  EXPECT_LT(before, 1e-3);
+}
+
+TEST(InjectivePinsTest, PinsThatAskForAFlipAreRefused) {
+  const SurfaceMesh cap = Cap(10, 20, 0.5);
+  const Triangle& t = cap.triangles[50];
+  InjectiveOptions options;
+  options.max_iterations = 30;
+  options.pins = {{t[0], {0, 0}, kHard}, {t[1], {0, 0.1}, kHard}, {t[2], {0.1, 0}, kHard}};
+  const auto layout = Lay(cap, {}, options);
+  ASSERT_FALSE(layout.has_value());
+  EXPECT_EQ(layout.error().kind, FaultKind::kNotInjective);
+  EXPECT_FALSE(layout.error().elements.empty());
+}
+
+TEST(InjectivePinsTest, NonsenseIsNamed) {
+  const SurfaceMesh cap = Cap(4, 8, 0.5);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const std::vector<LayoutPin>& pins : {std::vector<LayoutPin>{{1000, 0, 1}},
+                                             {{1, 0, 1}, {1, 0, 1}},
+                                             {{1, nan, 1}},
+                                             {{1, 0, 0}},
+                                             {{1, 0, nan}}}) {
+    InjectiveOptions options;
+    options.pins = pins;
+    const auto layout = Lay(cap, {}, options);
+    ASSERT_FALSE(layout.has_value());
+    EXPECT_EQ(layout.error().kind, FaultKind::kInvalidOption);
+  }
+}
+
+// ---- The rest
+
+TEST(InjectiveTest, TrianglesLeftOutDoNotCount) {
+  // An edge of a sheet with a T: vertex n lies on it, closed by a triangle of no area.
+  SurfaceMesh mesh = Lifted(Grid(4, 4, 1, 1));
+  Triangle& split = mesh.triangles[10];
+  const auto n = static_cast<std::uint32_t>(mesh.vertices.size());
+  const Triangle old = split;
+  mesh.vertices.push_back(0.5 * (mesh.vertices[old[0]] + mesh.vertices[old[1]]));
+  split = {old[0], n, old[2]};
+  mesh.triangles.push_back({n, old[1], old[2]});
+  mesh.triangles.push_back({old[0], old[1], n});
+  InjectiveOptions options;
+  options.left_out.assign(mesh.triangles.size(), false);
+  options.left_out.back() = true;
+  const auto layout = Lay(mesh, {}, options);
+  ASSERT_TRUE(layout.has_value()) << layout.error().message;
+  EXPECT_TRUE(AllFinite(layout->uv));
+  for (std::size_t t = 0; t + 1 < mesh.triangles.size(); ++t) {
+    EXPECT_GT(SignedArea(mesh.triangles[t], layout->uv), 0);
+  }
+}
+
+TEST(InjectiveTest, StopsWhenCancelled) {
+  const SurfaceMesh cap = Cap(10, 20, 0.95);
+  int asked = 0;
+  const CancelToken cancel([&asked]() -> Status {
+    if (++asked <= 3) return {};
+    return Fail(FaultKind::kCancelled, "enough");
+  });
+  const auto layout = FlattenInjective(cap, WalkLoops(cap), {}, {}, cancel);
+  ASSERT_FALSE(layout.has_value());
+  EXPECT_EQ(layout.error().kind, FaultKind::kCancelled);
+  EXPECT_EQ(asked, 4);
+}
+
+SurfaceMesh ReadObj(const std::filesystem::path& path) {
+  SurfaceMesh mesh;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string kind;
+    words >> kind;
+    if (kind == "v") {
+      Eigen::Vector3d p;
+      words >> p.x() >> p.y() >> p.z();
+      mesh.vertices.push_back(p);
+    } else if (kind == "f") {
+      Triangle t{};
+      for (std::uint32_t& v : t) {
+        std::string corner;
+        words >> corner;
+        v = static_cast<std::uint32_t>(std::stoul(corner) - 1);
+      }
+      mesh.triangles.push_back(t);
+    }
+  }
+  return UnitDiagonal(mesh);
+}
+
+TEST(InjectiveTest, LaysTheDisksOfTheDataFolderOut) {
+  const char* const data = std::getenv("ARAP_TEST_DATA");
+  if (data == nullptr) GTEST_SKIP() << "NOT CHECKED: ARAP_TEST_DATA does not name a folder";
+  std::size_t disks = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(data) / "3d")) {
+    if (entry.path().extension() != ".obj") continue;
+    const SurfaceMesh mesh = ReadObj(entry.path());
+    if (WalkLoops(mesh).size() != 1) continue;
+    ++disks;
+    ExpectInjective(mesh, Lay(mesh));
+  }
+  EXPECT_GE(disks, 8u);
+}
+
+}  // namespace
+}  // namespace arap::testing
