@@ -111,14 +111,7 @@ void Report(std::vector<Warning> warnings, std::size_t clamped, RegisteredMeshPa
   report.area *= report.diagonal * report.diagonal;
   report.clamped_weights = clamped;
   report.warnings = std::move(warnings);
-  if (clamped > 0) {
-    report.warnings.push_back({"clamped_weights",
-                               clamped,
-                               {},
-                               std::to_string(clamped) +
-                                   " edges have a cotangent weight too small or negative for this "
-                                   "basis; it was raised"});
-  }
+  if (clamped > 0) report.warnings.push_back(ClampedWarning(clamped));
   if (!parts.topology.joints.empty()) {
     const auto& joints = parts.topology.joints;
     report.warnings.push_back(

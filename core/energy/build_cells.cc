@@ -196,6 +196,16 @@ class Builder {
 
 }  // namespace
 
+Warning ClampedWarning(std::size_t edges) {
+  return {
+      "clamped_weights",
+      edges,
+      {},
+      fmt::format("{} edges have a cotangent weight too small or negative for this basis; it was "
+                  "raised",
+                  edges)};
+}
+
 Status CheckEnergyOptions(const EnergyOptions& options, std::size_t triangles) {
   const auto& rigidity = options.rigidity;
   if (rigidity.empty()) return {};

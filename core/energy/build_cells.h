@@ -9,6 +9,7 @@
 #include "core/energy/options.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/topology.h"
+#include "core/mesh/validation.h"
 
 namespace arap {
 
@@ -19,6 +20,9 @@ struct CellSystem {
   Cells cells;
   std::size_t clamped = 0;  // edges whose cotangent was raised to kMinCotangent
 };
+
+// The warning "clamped_weights" of so many edges.
+Warning ClampedWarning(std::size_t edges);
 
 // Rigidity must be empty or one number in (0, kMaxRigidity] per triangle: kArrayLength,
 // kInvalidOption.

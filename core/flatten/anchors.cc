@@ -23,7 +23,7 @@ Eigen::Vector3d Centroid(const SurfaceMesh& mesh) {
   return centroid / area;
 }
 
-std::uint32_t FarthestOnBoundary(const Chart& chart, const Eigen::Vector3d& from) {
+std::uint32_t FarthestOnBoundary(const SurfaceChart& chart, const Eigen::Vector3d& from) {
   std::uint32_t best = chart.loops.front().front();
   double farthest = -1;
   for (const auto& loop : chart.loops) {
@@ -37,7 +37,7 @@ std::uint32_t FarthestOnBoundary(const Chart& chart, const Eigen::Vector3d& from
 
 }  // namespace
 
-std::array<std::uint32_t, 2> CentreEdge(const Chart& chart) {
+std::array<std::uint32_t, 2> CentreEdge(const SurfaceChart& chart) {
   const SurfaceMesh& mesh = chart.mesh;
   const Eigen::Vector3d centroid = Centroid(mesh);
   const Edge* best = nullptr;
@@ -52,12 +52,12 @@ std::array<std::uint32_t, 2> CentreEdge(const Chart& chart) {
   return {best->v0, best->v1};
 }
 
-std::array<std::uint32_t, 2> FarBoundaryPair(const Chart& chart) {
+std::array<std::uint32_t, 2> FarBoundaryPair(const SurfaceChart& chart) {
   const std::uint32_t a = FarthestOnBoundary(chart, Centroid(chart.mesh));
   return {a, FarthestOnBoundary(chart, chart.mesh.vertices[a])};
 }
 
-Held HoldAtDistance(const Chart& chart, const std::array<std::uint32_t, 2>& anchors) {
+Held HoldAtDistance(const SurfaceChart& chart, const std::array<std::uint32_t, 2>& anchors) {
   const auto& p = chart.mesh.vertices;
   return {{{anchors[0], 0, 0}, {anchors[1], (p[anchors[1]] - p[anchors[0]]).norm(), 0}}};
 }

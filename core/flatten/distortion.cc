@@ -45,40 +45,51 @@ std::array<Complex, 3> LayFlat(const SurfaceMesh& mesh, const Triangle& triangle
   return {Complex(0), Complex(length), Complex(u.dot(v) / length, u.cross(v).norm() / length)};
 }
 
-Distortion Measure(const SurfaceMesh& mesh, std::span<const Complex> uv,
-                   std::vector<std::array<double, 2>>& singular_values) {
-  Distortion d;
-  d.symmetric_dirichlet = d.area_ratio = 0;
-  singular_values.clear();
-  double total = 0;
-  for (const Triangle& t : mesh.triangles) {
-    const auto rest = LayFlat(mesh, t);
-    const std::array<Complex, 3> image{uv[t[0]], uv[t[1]], uv[t[2]]};
-    const auto s = SingularValues(rest, image);
-    singular_values.push_back(s);
-    const double area = 0.5 * rest[1].real() * rest[2].imag();
-    const double s1 = s[0], s2 = std::abs(s[1]);
-    total += area;
-    if (s[1] < 0) ++d.flipped;
-    d.arap_energy += area * ((s[0] - 1) * (s[0] - 1) + (s[1] - 1) * (s[1] - 1));
-    d.symmetric_dirichlet +=
-        area * std::min(kCap, s1 * s1 + s2 * s2 + 1 / (s1 * s1) + 1 / (s2 * s2));
-    d.area_ratio += area * s1 * s2;
-    const double stretch = 100 * std::max(0.0, s1 - 1), compression = 100 * std::max(0.0, 1 - s2);
-    d.mean_stretch_percent += area * stretch;
-    d.mean_compression_percent += area * compression;
-    d.max_stretch_percent = std::max(d.max_stretch_percent, stretch);
-    d.max_compression_percent = std::max(d.max_compression_percent, compression);
-    const double angle = AngleChange(rest, image) * 180 / std::numbers::pi;
-    d.mean_angle_degrees += area * angle;
-    d.max_angle_degrees = std::max(d.max_angle_degrees, angle);
+TriangleDistortion MeasureTriangle(const std::array<Complex, 3>& rest,
+                                   const std::array<Complex, 3>& image) {
+  return {SingularValues(rest, image), 0.5 * rest[1].real() * rest[2].imag(),
+          AngleChange(rest, image)};
+}
+
+Distortion DistortionSum::Zero() {
+  Distortion zero;
+  zero.symmetric_dirichlet = zero.area_ratio = 0;
+  return zero;
+}
+
+void DistortionSum::Add(const TriangleDistortion& triangle, double unit, std::uint32_t id) {
+  const std::array<double, 2>& s = triangle.singular_values;
+  const double area = triangle.area * unit;
+  const double s1 = s[0], s2 = std::abs(s[1]);
+  total_ += area;
+  if (s[1] < 0) ++sum_.flipped;
+  sum_.arap_energy += area * ((s[0] - 1) * (s[0] - 1) + (s[1] - 1) * (s[1] - 1));
+  sum_.symmetric_dirichlet +=
+      area * std::min(kCap, s1 * s1 + s2 * s2 + 1 / (s1 * s1) + 1 / (s2 * s2));
+  sum_.area_ratio += area * s1 * s2;
+  const double stretch = 100 * std::max(0.0, s1 - 1), compression = 100 * std::max(0.0, 1 - s2);
+  sum_.mean_stretch_percent += area * stretch;
+  sum_.mean_compression_percent += area * compression;
+  sum_.max_stretch_percent = std::max(sum_.max_stretch_percent, stretch);
+  sum_.max_compression_percent = std::max(sum_.max_compression_percent, compression);
+  const double angle = triangle.angle * 180 / std::numbers::pi;
+  sum_.mean_angle_degrees += area * angle;
+  sum_.max_angle_degrees = std::max(sum_.max_angle_degrees, angle);
+  const double worst = s2 * s1 >= 1 ? s1 : std::min(kCap, 1 / s2);
+  if (worst > worst_) {
+    worst_ = worst;
+    sum_.worst_triangle = id;
   }
+}
+
+Distortion DistortionSum::Mean() const {
+  Distortion mean = sum_;
   for (double* sum :
-       {&d.arap_energy, &d.symmetric_dirichlet, &d.area_ratio, &d.mean_stretch_percent,
-        &d.mean_compression_percent, &d.mean_angle_degrees}) {
-    *sum /= total;
+       {&mean.arap_energy, &mean.symmetric_dirichlet, &mean.area_ratio, &mean.mean_stretch_percent,
+        &mean.mean_compression_percent, &mean.mean_angle_degrees}) {
+    *sum /= total_;
   }
-  return d;
+  return mean;
 }
 
 }  // namespace arap

@@ -3,8 +3,7 @@
 
 #include <array>
 #include <cstddef>
-#include <span>
-#include <vector>
+#include <cstdint>
 
 #include "core/mesh/mesh.h"
 
@@ -24,6 +23,7 @@ struct Distortion {
   double mean_angle_degrees = 0;  // mean of the largest change of a corner angle
   double max_angle_degrees = 0;
   std::size_t flipped = 0;
+  std::uint32_t worst_triangle = 0;  // with the largest max(s1, 1/s2)
 };
 
 // Singular values s1 >= |s2| of the map from the triangle `rest` (laid flat) to `image`; s2 < 0
@@ -34,9 +34,28 @@ std::array<double, 2> SingularValues(const std::array<Complex, 3>& rest,
 // Lays a triangle of space flat: first corner at 0, second on the positive real axis, third above.
 std::array<Complex, 3> LayFlat(const SurfaceMesh& mesh, const Triangle& triangle);
 
-// Measures uv (#V) against the surface; per triangle singular values land in `singular_values`
-// (#F).
-Distortion Measure(const SurfaceMesh& mesh, std::span<const Complex> uv,
-                   std::vector<std::array<double, 2>>& singular_values);
+// One triangle's share. `rest` and `image` in one unit.
+struct TriangleDistortion {
+  std::array<double, 2> singular_values{};
+  double area = 0;   // at rest
+  double angle = 0;  // largest change of a corner angle, radians
+};
+TriangleDistortion MeasureTriangle(const std::array<Complex, 3>& rest,
+                                   const std::array<Complex, 3>& image);
+
+// Adds triangles up to the means.
+class DistortionSum {
+ public:
+  // `unit` takes the triangle's area to that of the others; `id` names it.
+  void Add(const TriangleDistortion& triangle, double unit, std::uint32_t id);
+  Distortion Mean() const;
+
+ private:
+  Distortion sum_ = Zero();
+  double total_ = 0;
+  double worst_ = 0;
+
+  static Distortion Zero();
+};
 
 }  // namespace arap

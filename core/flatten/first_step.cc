@@ -1,9 +1,8 @@
 #include "core/flatten/first_step.h"
 
 #include <cmath>
-#include <limits>
 
-#include "core/flatten/grounded_system.h"
+#include "core/energy/assemble.h"
 
 namespace arap {
 namespace {
@@ -14,13 +13,9 @@ namespace {
 constexpr double kShift = 1e-10;
 constexpr int kMaxSpectralSteps = 60;
 
-std::vector<int> Order(const Factor<Complex>& factor) {
-  return {factor.order().begin(), factor.order().end()};
-}
-
 // The surface seen along its mean normal, so that it lies upright: a start with the right
 // orientation.
-std::vector<Complex> Shadow(const Chart& chart) {
+std::vector<Complex> Shadow(const SurfaceChart& chart) {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   const auto& p = chart.mesh.vertices;
   for (const Triangle& t : chart.mesh.triangles) {
@@ -38,7 +33,7 @@ std::vector<Complex> Shadow(const Chart& chart) {
 }
 
 // Vertices of all boundaries.
-std::vector<std::uint32_t> Boundary(const Chart& chart) {
+std::vector<std::uint32_t> Boundary(const SurfaceChart& chart) {
   std::vector<std::uint32_t> boundary;
   for (const auto& loop : chart.loops) boundary.insert(boundary.end(), loop.begin(), loop.end());
   return boundary;
@@ -59,13 +54,13 @@ bool Spread(const std::vector<std::uint32_t>& boundary, const std::vector<Comple
   return true;
 }
 
-double Area(const Chart& chart) {
+double Area(const SurfaceChart& chart) {
   double area = 0;
   for (const auto& frame : chart.frames) area += 0.5 * frame[1].real() * frame[2].imag();
   return area;
 }
 
-double FlatArea(const Chart& chart, const std::vector<Complex>& x) {
+double FlatArea(const SurfaceChart& chart, const std::vector<Complex>& x) {
   double area = 0;
   for (const Triangle& t : chart.mesh.triangles) {
     area += 0.5 * std::imag(std::conj(x[t[1]] - x[t[0]]) * (x[t[2]] - x[t[0]]));
@@ -75,40 +70,42 @@ double FlatArea(const Chart& chart, const std::vector<Complex>& x) {
 
 }  // namespace
 
-Result<std::vector<Complex>> HeldFirstStep(const Eigen::SparseMatrix<Complex>& energy,
-                                           const Held& held, std::vector<int>& order) {
-  const auto n = static_cast<std::size_t>(energy.rows());
-  Eigen::SparseMatrix<Complex> matrix = energy;
-  std::vector<Complex> x(n), right(n);
+Result<GroundedSystem<Complex>> HeldSystem(const Cells& cells, const Held& held,
+                                           std::size_t vertices) {
+  Eigen::SparseMatrix<Complex> matrix =
+      AssembleSimilarity(cells, std::vector<bool>(vertices, false));
   for (const HeldVertex& h : held.vertices) {
-    if (h.weight == 0) {
-      x[h.vertex] = h.uv;
-    } else {
-      const auto v = static_cast<Eigen::Index>(h.vertex);
-      matrix.coeffRef(v, v) += h.weight;
-      right[h.vertex] += h.weight * h.uv;
-    }
+    const auto v = static_cast<Eigen::Index>(h.vertex);
+    if (h.weight > 0) matrix.coeffRef(v, v) += h.weight;
   }
-  auto system = GroundedSystem<Complex>::Make(matrix, held.Fixed(n), FactorLayout::kSupernodal);
-  if (!system) return Fail(std::move(system.error()));
-  order = Order(system->factor());
+  return GroundedSystem<Complex>::Make(matrix, held.Fixed(vertices), FactorLayout::kSupernodal);
+}
+
+Result<std::vector<Complex>> HeldFirstStep(const GroundedSystem<Complex>& system, const Held& held,
+                                           std::size_t vertices) {
+  std::vector<Complex> x(vertices), right(vertices);
+  for (const HeldVertex& h : held.vertices) {
+    if (h.weight == 0) x[h.vertex] = h.uv;
+    right[h.vertex] += h.weight * h.uv;
+  }
   Workspace workspace;
-  if (auto ok = system->Solve(right, 1, x, workspace); !ok) return Fail(std::move(ok.error()));
+  if (auto ok = system.Solve(right, 1, x, workspace); !ok) return Fail(std::move(ok.error()));
   return x;
 }
 
-Result<std::vector<Complex>> SpectralFirstStep(const Chart& chart,
-                                               Eigen::SparseMatrix<Complex> energy,
-                                               const std::array<std::uint32_t, 2>& anchors,
-                                               double accuracy, const CancelToken& cancel,
-                                               std::vector<int>& order) {
-  const auto n = static_cast<std::size_t>(energy.rows());
-  const double shift = kShift * energy.diagonal().real().mean();
-  for (Eigen::Index v = 0; v < energy.rows(); ++v) energy.coeffRef(v, v) += shift;
-  auto factor = Factor<Complex>::Make(energy, FactorLayout::kSupernodal);
-  if (!factor) return Fail(std::move(factor.error()));
-  order = Order(**factor);
+Result<GroundedSystem<Complex>> SpectralSystem(const Cells& cells, std::size_t vertices) {
+  const std::vector<bool> none(vertices, false);
+  Eigen::SparseMatrix<Complex> matrix = AssembleSimilarity(cells, none);
+  const double shift = kShift * matrix.diagonal().real().mean();
+  for (Eigen::Index v = 0; v < matrix.rows(); ++v) matrix.coeffRef(v, v) += shift;
+  return GroundedSystem<Complex>::Make(matrix, none, FactorLayout::kSupernodal);
+}
 
+Result<std::vector<Complex>> SpectralFirstStep(const GroundedSystem<Complex>& system,
+                                               const SurfaceChart& chart,
+                                               const std::array<std::uint32_t, 2>& anchors,
+                                               double accuracy, const CancelToken& cancel) {
+  const std::size_t n = chart.mesh.vertices.size();
   const std::vector<std::uint32_t> boundary = Boundary(chart);
   std::vector<Complex> x = Shadow(chart), right(n), last(n);
   Workspace workspace;
@@ -116,12 +113,8 @@ Result<std::vector<Complex>> SpectralFirstStep(const Chart& chart,
   if (!Spread(boundary, x, right)) return Fail(no_spread);
   for (int step = 0; step < kMaxSpectralSteps; ++step) {
     if (auto ok = cancel.Check(); !ok) return Fail(std::move(ok.error()));
-    const auto solution = (*factor)->Solve(right, 1, workspace);
-    if (solution.empty()) {
-      return Fail(FaultKind::kNumerical, "a back-substitution ran out of memory");
-    }
-    std::copy(solution.begin(), solution.end(), x.begin());
-    last.swap(right);
+    last = right;
+    if (auto ok = system.Solve(right, 1, x, workspace); !ok) return Fail(std::move(ok.error()));
     if (!Spread(boundary, x, right)) return Fail(no_spread);
     Complex common = 0;
     for (const std::uint32_t v : boundary) common += std::conj(last[v]) * right[v];

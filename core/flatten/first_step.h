@@ -1,30 +1,34 @@
 // The first step of flattening: everything as similar as possible to its rest shape [II09 §7].
 #pragma once
 
-#include <memory>
+#include <array>
 #include <vector>
 
-#include <Eigen/SparseCore>
-
 #include "core/base/cancel.h"
-#include "core/flatten/chart.h"
+#include "core/flatten/grounded_system.h"
 #include "core/flatten/held.h"
+#include "core/flatten/surface_chart.h"
 
 namespace arap {
 
-// Least similarity energy with `held` (at least two) at their places: #V, units of the chart.
-// `order` receives the elimination order, which fits the second step too. Fault: kNumerical.
-Result<std::vector<Complex>> HeldFirstStep(const Eigen::SparseMatrix<Complex>& energy,
-                                           const Held& held, std::vector<int>& order);
+// The similarity matrix of `cells` with `held` (at least two) kept, factored. Fault: kNumerical.
+Result<GroundedSystem<Complex>> HeldSystem(const Cells& cells, const Held& held,
+                                           std::size_t vertices);
+
+// Least similarity energy with `held` at their places: #V, units of the chart. Fault: kNumerical.
+Result<std::vector<Complex>> HeldFirstStep(const GroundedSystem<Complex>& system, const Held& held,
+                                           std::size_t vertices);
+
+// The matrix with nothing kept, but raised a little, factored. Fault: kNumerical.
+Result<GroundedSystem<Complex>> SpectralSystem(const Cells& cells, std::size_t vertices);
 
 // Least similarity energy for a given spread of the boundary, by inverse iteration; then scaled to
 // the true area and laid with the centre edge `anchors` along the real axis, its first end at 0.
 // Iterations end when one changes the boundary (of unit spread) by less than `accuracy`.
 // [Mullen et al. 2008, spectral conformal parameterization.] Faults: kNumerical, of `cancel`.
-Result<std::vector<Complex>> SpectralFirstStep(const Chart& chart,
-                                               Eigen::SparseMatrix<Complex> energy,
+Result<std::vector<Complex>> SpectralFirstStep(const GroundedSystem<Complex>& system,
+                                               const SurfaceChart& chart,
                                                const std::array<std::uint32_t, 2>& anchors,
-                                               double accuracy, const CancelToken& cancel,
-                                               std::vector<int>& order);
+                                               double accuracy, const CancelToken& cancel);
 
 }  // namespace arap

@@ -5,119 +5,17 @@
 
 #include <fmt/format.h>
 
-#include "core/energy/assemble.h"
 #include "core/energy/build_cells.h"
-#include "core/energy/local_step.h"
-#include "core/flatten/disk.h"
-#include "core/sparse/factor.h"
+#include "core/flatten/flatten_chart.h"
+#include "core/flatten/overlap.h"
+#include "core/flatten/pins.h"
+#include "core/flatten/placement.h"
+#include "core/flatten/prepared_surface.h"
 
 namespace arap {
 namespace {
 
-// One surface on its way to the plane, normalised to a unit diagonal.
-class Flattener {
- public:
-  Flattener(SurfaceMesh mesh, Topology topology)
-      : mesh_(std::move(mesh)),
-        topology_(std::move(topology)),
-        component_(mesh_.vertices.size(), 0) {
-    for (const Triangle& t : mesh_.triangles) frames_.push_back(LayFlat(mesh_, t));
-    const Edge& edge = topology_.edges[CentreEdge(mesh_, topology_)];
-    anchors_ = {edge.v0, edge.v1};
-  }
-
-  const SurfaceMesh& mesh() const { return mesh_; }
-  std::array<std::uint32_t, 2> anchors() const { return anchors_; }
-
-  Result<CellSystem> Cells(const EnergyOptions& options) const {
-    const TriangleFrame frame = [this](std::uint32_t t) { return frames_[t]; };
-    return BuildCells(mesh_.triangles, topology_, options, frame, false);
-  }
-
-  // Step 1: the centre edge fixed at 0 and at its length, everything else as similar as possible.
-  Result<std::vector<Complex>> FirstStep(const arap::Cells& cells) const {
-    const double length = (mesh_.vertices[anchors_[1]] - mesh_.vertices[anchors_[0]]).norm();
-    const std::vector<bool> fixed = Fixed(2);
-    auto factor =
-        Factor<Complex>::Make(AssembleSimilarity(cells, fixed), FactorLayout::kSupernodal);
-    if (!factor) return Fail(std::move(factor.error()));
-    std::vector<Complex> right = SimilarityColumn(cells, fixed.size(), anchors_[1]);
-    for (std::size_t v = 0; v < right.size(); ++v) right[v] = fixed[v] ? 0 : -length * right[v];
-    right[anchors_[1]] = length;
-    Workspace workspace;
-    const auto solution = (*factor)->Solve(right, 1, workspace);
-    if (solution.empty())
-      return Fail(FaultKind::kNumerical, "a back-substitution ran out of memory");
-    return std::vector<Complex>(solution.begin(), solution.end());
-  }
-
-  // Step 2, `times` over: rotations from `shape`, then the rigid solve with one anchor.
-  Status RigidSteps(const arap::Cells& cells, int times, const CancelToken& cancel,
-                    std::vector<Complex>& shape) const {
-    const std::vector<bool> fixed = Fixed(1);
-    auto factor = Factor<double>::Make(AssembleRigid(cells, fixed), FactorLayout::kSimplicial);
-    if (!factor) return Fail(std::move(factor.error()));
-    const std::size_t n = shape.size();
-    const std::vector<Complex> mean(1, 0);
-    std::vector<double> v(2 * n), right(2 * n);
-    for (std::size_t i = 0; i < n; ++i) v[i] = shape[i].real(), v[n + i] = shape[i].imag();
-    Workspace workspace;
-    for (int step = 0; step < times; ++step) {
-      if (auto ok = cancel.Check(); !ok) return ok;
-      std::fill(right.begin(), right.end(), 0.0);
-      AddRotatedEdges(cells, {v.data(), v.data() + n}, mean, {right.data(), right.data() + n});
-      for (std::size_t i = 0; i < n; ++i) {
-        if (fixed[i]) right[i] = right[n + i] = 0;
-      }
-      const auto solution = (*factor)->Solve(right, 2, workspace);
-      if (solution.empty()) {
-        return Fail(FaultKind::kNumerical, "a back-substitution ran out of memory");
-      }
-      std::copy(solution.begin(), solution.end(), v.begin());
-    }
-    for (std::size_t i = 0; i < n; ++i) shape[i] = {v[i], v[n + i]};
-    return {};
-  }
-
- private:
-  // Unreferenced vertices and the first `anchors` anchors.
-  std::vector<bool> Fixed(std::size_t anchors) const {
-    std::vector<bool> fixed(mesh_.vertices.size());
-    for (std::size_t v = 0; v < fixed.size(); ++v)
-      fixed[v] = topology_.vertex_component[v] == kNone;
-    for (std::size_t k = 0; k < anchors; ++k) fixed[anchors_[k]] = true;
-    return fixed;
-  }
-
-  SurfaceMesh mesh_;
-  Topology topology_;
-  std::vector<std::uint32_t> component_;  // all 0: one disk
-  std::vector<std::array<Complex, 3>> frames_;
-  std::array<std::uint32_t, 2> anchors_{};
-};
-
-double NormaliseSurface(SurfaceMesh& mesh) {
-  Eigen::Vector3d low = mesh.vertices[mesh.triangles[0][0]], high = low;
-  for (const Triangle& t : mesh.triangles) {
-    for (const std::uint32_t v : t) {
-      low = low.cwiseMin(mesh.vertices[v]);
-      high = high.cwiseMax(mesh.vertices[v]);
-    }
-  }
-  const double diagonal = (high - low).norm();
-  for (Eigen::Vector3d& p : mesh.vertices) p = (p - 0.5 * (low + high)) / diagonal;
-  return diagonal;
-}
-
-bool AllFinite(const std::vector<Complex>& points) {
-  return std::all_of(points.begin(), points.end(),
-                     [](Complex p) { return std::isfinite(p.real()) && std::isfinite(p.imag()); });
-}
-
-}  // namespace
-
-Result<Flattening> Flatten(SurfaceMesh mesh, const FlattenOptions& options,
-                           const CancelToken& cancel) {
+Status CheckOptions(const FlattenOptions& options, std::size_t triangles) {
   if (options.refine < 0 || options.refine > kMaxFlattenRefine) {
     return Fail(
         Fault{FaultKind::kInvalidOption,
@@ -126,55 +24,154 @@ Result<Flattening> Flatten(SurfaceMesh mesh, const FlattenOptions& options,
               {{"limit", fmt::to_string(kMaxFlattenRefine)}},
               "refine"});
   }
-  auto warnings = ValidateSurface(mesh, options.limits);
-  if (!warnings) return Fail(std::move(warnings.error()));
-  Topology topology = BuildTopology(mesh.vertices.size(), mesh.triangles);
-  if (auto ok = CheckDisk(topology, mesh.vertices.size(), mesh.triangles.size()); !ok) {
-    return Fail(std::move(ok.error()));
+  if (!(options.refine_stop >= 0 && options.refine_stop <= 1)) {
+    return Fail(Fault{FaultKind::kInvalidOption,
+                      fmt::format("refine_stop is {}; it must be 0 to 1", options.refine_stop),
+                      {},
+                      {{"limit", "1"}},
+                      "refine_stop"});
   }
-  const double diagonal = NormaliseSurface(mesh);
-  const Flattener flattener(std::move(mesh), std::move(topology));
-  auto system = flattener.Cells(options.energy);
-  if (!system) return Fail(std::move(system.error()));
-  if (auto ok = cancel.Check(); !ok) return Fail(std::move(ok.error()));
+  return CheckEnergyOptions(options.energy, triangles);
+}
 
-  auto first = flattener.FirstStep(system->cells);
-  if (!first) return Fail(std::move(first.error()));
-  std::vector<Complex> uv = *first;
-  if (auto ok = flattener.RigidSteps(system->cells, 1, cancel, uv); !ok) {
-    return Fail(std::move(ok.error()));
+EnergyOptions EnergyOf(const SurfaceChart& chart, const EnergyOptions& energy) {
+  EnergyOptions own{energy.basis, energy.weights, {}};
+  if (energy.rigidity.empty()) return own;
+  for (const std::uint32_t t : chart.triangles) own.rigidity.push_back(energy.rigidity[t]);
+  return own;
+}
+
+// The answer while it is put together from the charts.
+class Assembly {
+ public:
+  explicit Assembly(const PreparedSurface& surface) : surface_(surface) {
+    const CutSurface& cut = surface.surface();
+    flat_.uv.resize(cut.source.size());
+    flat_.first_step.resize(cut.source.size());
+    flat_.source = cut.source;
+    flat_.triangle_chart.resize(cut.mesh.triangles.size());
+    chart_of_.assign(cut.source.size(), kNone);
   }
-  if (options.refine > 0) {
-    // FACE cells with cotangents descend the energy that is reported; EDGE cells need not.
-    auto face = flattener.Cells({Basis::kFace, Weights::kCotangent, options.energy.rigidity});
-    if (!face) return Fail(std::move(face.error()));
-    if (auto ok = flattener.RigidSteps(face->cells, options.refine, cancel, uv); !ok) {
-      return Fail(std::move(ok.error()));
+
+  void Add(const SurfaceChart& chart, ChartLayout layout) {
+    const auto index = static_cast<std::uint32_t>(flat_.charts.size());
+    for (std::size_t v = 0; v < chart.vertices.size(); ++v) {
+      flat_.uv[chart.vertices[v]] = layout.uv[v];
+      flat_.first_step[chart.vertices[v]] = layout.first_step[v];
+      chart_of_[chart.vertices[v]] = index;
+    }
+    for (const std::uint32_t t : chart.triangles) flat_.triangle_chart[t] = index;
+    FlatChart& made = flat_.charts.emplace_back();
+    for (const auto& loop : chart.loops) {
+      auto& named = made.loops.emplace_back();
+      for (const std::uint32_t v : loop) named.push_back(chart.vertices[v]);
+    }
+    for (const std::uint32_t v : layout.anchors) made.anchors.push_back(chart.vertices[v]);
+    made.triangles = chart.triangles.size();
+    made.refinements = layout.refinements;
+    clamped_ += layout.clamped;
+  }
+
+  Flattening Finish(std::span<const ChartWishes> wishes) {
+    PlaceCharts(wishes, chart_of_, flat_.uv, flat_.first_step);
+    Corners();
+    Measure();
+    FindOverlaps();
+    const CutSurface& cut = surface_.surface();
+    flat_.cuts = cut.cuts;
+    flat_.auto_cuts = cut.auto_cuts;
+    flat_.degenerate = cut.degenerate;
+    flat_.warnings = cut.warnings;
+    if (clamped_ > 0) flat_.warnings.push_back(ClampedWarning(clamped_));
+    return std::move(flat_);
+  }
+
+ private:
+  void Corners() {
+    const CutSurface& cut = surface_.surface();
+    for (std::size_t t = 0; t < cut.mesh.triangles.size(); ++t) {
+      auto corners = cut.mesh.triangles[t];
+      if (cut.turned[t]) std::swap(corners[1], corners[2]);
+      flat_.corner_uv.push_back(corners);
     }
   }
-  Flattening result;
-  if (!AllFinite(*first) || !AllFinite(uv)) {
-    return Fail(FaultKind::kNumerical, "the flat shape is not finite");
+
+  void Measure() {
+    flat_.singular_values.resize(flat_.triangle_chart.size());
+    DistortionSum whole;
+    for (std::size_t c = 0; c < flat_.charts.size(); ++c) {
+      const SurfaceChart& chart = surface_.charts()[c];
+      DistortionSum own;
+      for (std::size_t t = 0; t < chart.triangles.size(); ++t) {
+        const std::uint32_t id = chart.triangles[t];
+        if (!chart.left_out.empty() && chart.left_out[t]) continue;
+        std::array<Complex, 3> image;
+        for (std::size_t k = 0; k < 3; ++k) {
+          image[k] = flat_.uv[chart.vertices[chart.mesh.triangles[t][k]]] / chart.diagonal;
+        }
+        const double unit = chart.diagonal * chart.diagonal;
+        const TriangleDistortion measured = MeasureTriangle(chart.frames[t], image);
+        own.Add(measured, unit, id);
+        whole.Add(measured, unit, id);
+        flat_.singular_values[id] = measured.singular_values;
+      }
+      flat_.charts[c].distortion = own.Mean();
+    }
+    flat_.distortion = whole.Mean();
   }
-  result.distortion = Measure(flattener.mesh(), uv, result.singular_values);
-  for (Complex& p : *first) p *= diagonal;
-  for (Complex& p : uv) p *= diagonal;
-  result.first_step = std::move(*first);
-  result.uv = std::move(uv);
-  result.anchors = flattener.anchors();
-  result.triangles = flattener.mesh().triangles;
-  result.warnings = std::move(*warnings);
-  if (system->clamped > 0) {
-    result.warnings.push_back(
-        {"clamped_weights",
-         system->clamped,
-         {},
-         fmt::format(
-             "{} edges have a cotangent weight too small or negative for this basis; it was "
-             "raised",
-             system->clamped)});
+
+  void FindOverlaps() {
+    std::vector<BoundaryLoop> all;
+    for (std::size_t c = 0; c < flat_.charts.size(); ++c) {
+      std::vector<BoundaryLoop> own;
+      for (const auto& loop : flat_.charts[c].loops) {
+        own.push_back({static_cast<std::uint32_t>(c), 0, loop});
+      }
+      flat_.charts[c].crossings =
+          std::min<std::size_t>(FindOverlap(flat_.uv, own).crossings, kMaxReportedCrossings);
+      all.insert(all.end(), own.begin(), own.end());
+    }
+    flat_.overlaps = FindOverlap(flat_.uv, all).any();
   }
-  return result;
+
+  const PreparedSurface& surface_;
+  Flattening flat_;
+  std::vector<std::uint32_t> chart_of_;  // #U
+  std::size_t clamped_ = 0;
+};
+
+}  // namespace
+
+Result<Flattening> Flatten(const PreparedSurface& surface, const FlattenOptions& options,
+                           const CancelToken& cancel) {
+  if (auto ok = CheckOptions(options, surface.surface().mesh.triangles.size()); !ok) {
+    return Fail(std::move(ok.error()));
+  }
+  auto wishes = FindWishes(surface, options);
+  if (!wishes) return Fail(std::move(wishes.error()));
+  Assembly assembly(surface);
+  for (std::size_t c = 0; c < surface.charts().size(); ++c) {
+    if (auto ok = cancel.Check(); !ok) return Fail(std::move(ok.error()));
+    const SurfaceChart& chart = surface.charts()[c];
+    const EnergyOptions energy = EnergyOf(chart, options.energy);
+    auto layout = FlattenChart(chart, options, energy, (*wishes)[c], fmt::to_string(c),
+                               surface.factors(), cancel);
+    if (!layout) return Fail(std::move(layout.error()));
+    assembly.Add(chart, *std::move(layout));
+  }
+  return assembly.Finish(*wishes);
+}
+
+Result<Flattening> Flatten(SurfaceMesh mesh, const FlattenOptions& options,
+                           const CancelToken& cancel) {
+  if (auto ok = CheckOptions(options, mesh.triangles.size()); !ok) {
+    return Fail(std::move(ok.error()));
+  }
+  const std::size_t vertices = mesh.vertices.size();
+  auto surface = CutToCharts(std::move(mesh), options.cut, cancel);
+  if (!surface) return Fail(std::move(surface.error()));
+  // Nobody asks again: the factors go as soon as they were used.
+  return Flatten(PreparedSurface(*std::move(surface), vertices, 0), options, cancel);
 }
 
 }  // namespace arap

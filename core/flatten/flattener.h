@@ -44,6 +44,7 @@ struct GrainLine {
 
 inline constexpr int kMaxFlattenRefine = 1000;
 inline constexpr double kMaxPinWeight = 1e9;
+inline constexpr std::size_t kMaxReportedCrossings = 1000;
 
 struct FlattenOptions {
   FlattenMethod method = FlattenMethod::kArap;

@@ -1,6 +1,7 @@
 // GroundedSystem: a step matrix with some vertices held, factored.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <vector>
@@ -68,7 +69,9 @@ class GroundedSystem {
   }
 
   const Factor<Scalar>& factor() const { return *factor_; }
-  const std::vector<bool>& fixed() const { return fixed_; }
+  std::size_t bytes() const {
+    return factor_->bytes() + couplings_.capacity() * sizeof(Coupling) + fixed_.size() / 8;
+  }
 
  private:
   struct Coupling {

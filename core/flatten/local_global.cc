@@ -3,7 +3,6 @@
 #include "core/energy/assemble.h"
 #include "core/energy/local_step.h"
 #include "core/flatten/anderson.h"
-#include "core/flatten/grounded_system.h"
 
 namespace arap {
 namespace {
@@ -13,20 +12,9 @@ constexpr std::size_t kAndersonWindow = 5;
 // One chart's rigid step, ready to be repeated. Points are x…, y….
 class Step {
  public:
-  static Result<Step> Make(const Cells& cells, const Held& held, std::uint32_t still,
-                           std::span<const int> order, std::size_t vertices) {
-    Eigen::SparseMatrix<double> matrix = AssembleRigid(cells, std::vector<bool>(vertices, false));
-    std::vector<bool> fixed = held.Fixed(vertices);
-    if (held.empty()) fixed[still] = true;
-    for (const HeldVertex& h : held.vertices) {
-      const auto v = static_cast<Eigen::Index>(h.vertex);
-      if (h.weight > 0) matrix.coeffRef(v, v) += h.weight;
-    }
-    auto system =
-        GroundedSystem<double>::Make(matrix, std::move(fixed), FactorLayout::kSimplicial, order);
-    if (!system) return Fail(std::move(system.error()));
-    return Step(cells, held, *std::move(system), vertices);
-  }
+  Step(const Cells& cells, const Held& held, const GroundedSystem<double>& system,
+       std::size_t vertices)
+      : cells_(cells), held_(held), system_(system), n_(vertices), right_(2 * n_) {}
 
   // image := the best positions for the rotations of `point`.
   Status Take(const std::vector<double>& point, std::vector<double>& image) {
@@ -56,12 +44,9 @@ class Step {
   }
 
  private:
-  Step(const Cells& cells, const Held& held, GroundedSystem<double> system, std::size_t vertices)
-      : cells_(cells), held_(held), system_(std::move(system)), n_(vertices), right_(2 * n_) {}
-
   const Cells& cells_;
   const Held& held_;
-  GroundedSystem<double> system_;
+  const GroundedSystem<double>& system_;
   std::size_t n_;
   std::vector<double> right_;
   std::vector<Complex> mean_{0};
@@ -122,19 +107,31 @@ Result<int> Accelerated(Step& step, const LocalGlobalOptions& options, const Can
 
 }  // namespace
 
-Result<int> LocalGlobal(const Cells& cells, const Held& held, std::uint32_t still,
-                        const LocalGlobalOptions& options, std::span<const int> order,
-                        const CancelToken& cancel, std::vector<Complex>& shape) {
+Result<GroundedSystem<double>> RigidSystem(const Cells& cells, const Held& held,
+                                           std::uint32_t still, std::size_t vertices,
+                                           std::span<const int> order) {
+  Eigen::SparseMatrix<double> matrix = AssembleRigid(cells, std::vector<bool>(vertices, false));
+  std::vector<bool> fixed = held.Fixed(vertices);
+  if (held.empty()) fixed[still] = true;
+  for (const HeldVertex& h : held.vertices) {
+    const auto v = static_cast<Eigen::Index>(h.vertex);
+    if (h.weight > 0) matrix.coeffRef(v, v) += h.weight;
+  }
+  return GroundedSystem<double>::Make(matrix, std::move(fixed), FactorLayout::kSimplicial, order);
+}
+
+Result<int> LocalGlobal(const Cells& cells, const Held& held, const GroundedSystem<double>& system,
+                        const LocalGlobalOptions& options, const CancelToken& cancel,
+                        std::vector<Complex>& shape) {
   const std::size_t n = shape.size();
-  auto step = Step::Make(cells, held, still, order, n);
-  if (!step) return Fail(std::move(step.error()));
+  Step step(cells, held, system, n);
   std::vector<double> point(2 * n);
   for (std::size_t v = 0; v < n; ++v) {
     point[v] = shape[v].real();
     point[n + v] = shape[v].imag();
   }
-  auto taken = options.accelerate ? Accelerated(*step, options, cancel, point)
-                                  : Plain(*step, options, cancel, point);
+  auto taken = options.accelerate ? Accelerated(step, options, cancel, point)
+                                  : Plain(step, options, cancel, point);
   if (!taken) return Fail(std::move(taken.error()));
   for (std::size_t v = 0; v < n; ++v) shape[v] = {point[v], point[n + v]};
   return taken;

@@ -7,6 +7,7 @@
 
 #include "core/base/cancel.h"
 #include "core/energy/cells.h"
+#include "core/flatten/grounded_system.h"
 #include "core/flatten/held.h"
 
 namespace arap {
@@ -20,11 +21,16 @@ struct LocalGlobalOptions {
   bool accelerate = false;
 };
 
-// Moves `shape` (#V, units of the chart). Vertices in `held` are kept; without any, `still` is.
-// `order` is an elimination order of a pattern around this one. Returns the iterations taken.
-// Faults: kNumerical, and what `cancel` answers between iterations.
-Result<int> LocalGlobal(const Cells& cells, const Held& held, std::uint32_t still,
-                        const LocalGlobalOptions& options, std::span<const int> order,
-                        const CancelToken& cancel, std::vector<Complex>& shape);
+// The matrix of the rigid step, factored. Vertices in `held` are kept; without any, `still` is.
+// `order` is an elimination order of a pattern around this one, or empty. Fault: kNumerical.
+Result<GroundedSystem<double>> RigidSystem(const Cells& cells, const Held& held,
+                                           std::uint32_t still, std::size_t vertices,
+                                           std::span<const int> order);
+
+// Moves `shape` (#V, units of the chart) with the system of the same cells and held vertices.
+// Returns the iterations taken. Faults: kNumerical, and what `cancel` answers between iterations.
+Result<int> LocalGlobal(const Cells& cells, const Held& held, const GroundedSystem<double>& system,
+                        const LocalGlobalOptions& options, const CancelToken& cancel,
+                        std::vector<Complex>& shape);
 
 }  // namespace arap

@@ -99,7 +99,7 @@ class Boundary {
       area += Cross(at - uv[v[0]], after - uv[v[0]]);
     }
     const auto begin = static_cast<std::uint32_t>(segments_.size());
-    Outline outline{index, loop.chart, begin, begin, {drawn[0], drawn[0]}, area < 0};
+    Outline outline{index, loop.component, begin, begin, {drawn[0], drawn[0]}, area < 0};
     for (std::size_t k = 0; k < n; ++k) {
       segments_.push_back({drawn[k], drawn[(k + 1) % n]});
       ends_.push_back({v[k], v[(k + 1) % n]});

@@ -11,17 +11,11 @@
 #include <span>
 #include <vector>
 
+#include "core/cut/boundary_loops.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/topology.h"
 
 namespace arap {
-
-// A boundary loop: its vertices in order, the surface on the left (outlines run counter-clockwise,
-// holes clockwise), the last joined to the first.
-struct BoundaryLoop {
-  std::uint32_t chart = 0;
-  std::vector<std::uint32_t> vertices;
-};
 
 // Charts that only touch do not overlap: boundaries are compared after every one was drawn in by 1
 // to 2 times this fraction of the layout's diagonal. So the two sides of a cut that were laid next
@@ -46,9 +40,10 @@ struct Overlap {
   bool any() const { return crossings > 0 || misplaced_loops > 0; }
 };
 
-// `uv` must be finite. Loops of fewer than three vertices are left out. O(n log n + pairs of
-// segments whose bounding boxes meet) for n boundary segments, and O(loops · n) at worst for loops
-// whose bounding boxes lie in one another. Deterministic, thread-safe.
+// Loops have the surface on the left: outlines run counter-clockwise, holes clockwise; their
+// component is the chart. `uv` must be finite. Loops of fewer than three vertices are left out. O(n
+// log n + pairs of segments whose bounding boxes meet) for n boundary segments, and O(loops · n) at
+// worst for loops whose bounding boxes lie in one another. Deterministic, thread-safe.
 Overlap FindOverlap(std::span<const Complex> uv, std::span<const BoundaryLoop> loops);
 
 }  // namespace arap

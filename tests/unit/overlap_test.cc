@@ -43,7 +43,7 @@ struct Layout {
     const auto offset = static_cast<std::uint32_t>(uv.size());
     uv.insert(uv.end(), mesh.vertices.begin(), mesh.vertices.end());
     while (!next.empty()) {
-      BoundaryLoop loop{chart, {}};
+      BoundaryLoop loop{chart, 0, {}};
       for (auto at = next.begin(); at != next.end(); at = next.find(loop.vertices.back())) {
         loop.vertices.push_back(at->second);
         next.erase(at);

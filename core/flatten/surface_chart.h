@@ -1,4 +1,4 @@
-// Chart: one connected piece of a cut surface on its way to the plane.
+// SurfaceChart: one connected piece of a cut surface on its way to the plane.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ namespace arap {
 
 // Vertices and triangles are numbered anew, without unreferenced ones; coordinates are relative to
 // the middle of the bounding box and in units of its diagonal.
-struct Chart {
+struct SurfaceChart {
   SurfaceMesh mesh;
   Topology topology;
   std::vector<std::uint32_t> vertices;            // #V, in the cut surface
@@ -31,6 +31,6 @@ struct Chart {
 };
 
 // The charts of a surface, by their lowest triangle. O(#F log #F).
-std::vector<Chart> MakeCharts(const CutSurface& surface);
+std::vector<SurfaceChart> MakeCharts(const CutSurface& surface);
 
 }  // namespace arap

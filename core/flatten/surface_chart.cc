@@ -1,4 +1,4 @@
-#include "core/flatten/chart.h"
+#include "core/flatten/surface_chart.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +27,7 @@ std::array<Complex, 3> SliverFrame(const SurfaceMesh& mesh, const Triangle& t) {
   return {Complex(0), Complex(c), Complex(x, std::sqrt(product) / (2 * c))};
 }
 
-void Normalise(Chart& chart) {
+void Normalise(SurfaceChart& chart) {
   Eigen::Vector3d low = chart.mesh.vertices.front(), high = low;
   for (const Eigen::Vector3d& p : chart.mesh.vertices) {
     low = low.cwiseMin(p);
@@ -37,7 +37,7 @@ void Normalise(Chart& chart) {
   for (Eigen::Vector3d& p : chart.mesh.vertices) p = (p - 0.5 * (low + high)) / chart.diagonal;
 }
 
-void LayTrianglesFlat(const CutSurface& surface, Chart& chart) {
+void LayTrianglesFlat(const CutSurface& surface, SurfaceChart& chart) {
   chart.frames.reserve(chart.mesh.triangles.size());
   for (std::size_t t = 0; t < chart.mesh.triangles.size(); ++t) {
     const bool degenerate = std::binary_search(surface.degenerate.begin(), surface.degenerate.end(),
@@ -53,16 +53,16 @@ void LayTrianglesFlat(const CutSurface& surface, Chart& chart) {
 
 }  // namespace
 
-Result<CellSystem> Chart::Cells(const EnergyOptions& options,
-                                const std::vector<std::array<Complex, 3>>& flat) const {
+Result<CellSystem> SurfaceChart::Cells(const EnergyOptions& options,
+                                       const std::vector<std::array<Complex, 3>>& flat) const {
   const TriangleFrame frame = [&flat](std::uint32_t t) { return flat[t]; };
   return BuildCells(mesh.triangles, topology, options, frame, false, left_out);
 }
 
-std::vector<Chart> MakeCharts(const CutSurface& surface) {
+std::vector<SurfaceChart> MakeCharts(const CutSurface& surface) {
   // Components by their lowest triangle.
   std::vector<std::uint32_t> chart_of(surface.topology.components, kNone);
-  std::vector<Chart> charts;
+  std::vector<SurfaceChart> charts;
   std::vector<std::uint32_t> local(surface.mesh.vertices.size(), kNone);
   for (std::uint32_t t = 0; t < surface.mesh.triangles.size(); ++t) {
     const Triangle& corners = surface.mesh.triangles[t];
@@ -77,12 +77,12 @@ std::vector<Chart> MakeCharts(const CutSurface& surface) {
   for (std::uint32_t v = 0; v < surface.mesh.vertices.size(); ++v) {
     const std::uint32_t component = surface.topology.vertex_component[v];
     if (component == kNone) continue;
-    Chart& chart = charts[chart_of[component]];
+    SurfaceChart& chart = charts[chart_of[component]];
     local[v] = static_cast<std::uint32_t>(chart.vertices.size());
     chart.vertices.push_back(v);
     chart.mesh.vertices.push_back(surface.mesh.vertices[v]);
   }
-  for (Chart& chart : charts) {
+  for (SurfaceChart& chart : charts) {
     chart.mesh.triangles.reserve(chart.triangles.size());
     for (const std::uint32_t t : chart.triangles) {
       const Triangle& c = surface.mesh.triangles[t];

@@ -1,0 +1,228 @@
+#include "core/flatten/flatten_chart.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "core/flatten/abf.h"
+#include "core/flatten/anchors.h"
+#include "core/flatten/first_step.h"
+#include "core/flatten/injective.h"
+#include "core/flatten/local_global.h"
+#include "core/flatten/upright.h"
+
+namespace arap {
+namespace {
+
+// How well the free first step must have settled: as a start for the second it need not be exact.
+constexpr double kRoughly = 1e-3;
+constexpr double kExactly = 1e-8;
+
+bool AllFinite(const std::vector<Complex>& points) {
+  return std::all_of(points.begin(), points.end(),
+                     [](Complex p) { return std::isfinite(p.real()) && std::isfinite(p.imag()); });
+}
+
+bool IsFaceCotangent(const EnergyOptions& energy) {
+  return energy.basis == Basis::kFace && energy.weights == Weights::kCotangent;
+}
+
+class ChartFlattener {
+ public:
+  ChartFlattener(const SurfaceChart& chart, const FlattenOptions& options,
+                 const EnergyOptions& energy, const std::string& name, FactorCache& factors,
+                 const CancelToken& cancel)
+      : chart_(chart),
+        options_(options),
+        energy_(energy),
+        name_(name),
+        factors_(factors),
+        cancel_(cancel),
+        centre_(CentreEdge(chart)) {}
+
+  Result<ChartLayout> Flatten(const ChartWishes& wishes) {
+    Hold(wishes);
+    if (auto ok = MakeCells(); !ok) return Fail(std::move(ok.error()));
+    if (auto ok = FirstStep(); !ok) return Fail(std::move(ok.error()));
+    if (auto ok = cancel_.Check(); !ok) return Fail(std::move(ok.error()));
+    if (auto ok = RigidSteps(); !ok) return Fail(std::move(ok.error()));
+    if (options_.injective) {
+      if (auto ok = MakeInjective(); !ok) return Fail(std::move(ok.error()));
+    }
+    if (!AllFinite(layout_.first_step) || !AllFinite(layout_.uv)) {
+      return Fail(FaultKind::kNumerical, "the flat shape is not finite");
+    }
+    Place(wishes);
+    return std::move(layout_);
+  }
+
+ private:
+  std::size_t n() const { return chart_.mesh.vertices.size(); }
+
+  // Pins where there are several; else the anchors that were asked for.
+  void Hold(const ChartWishes& wishes) {
+    if (wishes.pinned()) {
+      for (const HeldVertex& pin : wishes.pins) origin_ += pin.uv;
+      origin_ /= static_cast<double>(wishes.pins.size());
+      for (HeldVertex pin : wishes.pins) {
+        pin.uv = (pin.uv - origin_) / chart_.diagonal;
+        held_.vertices.push_back(pin);
+      }
+      pins_ = true;
+    } else if (options_.anchors != FlattenAnchors::kSpectral) {
+      const auto anchors =
+          options_.anchors == FlattenAnchors::kCentreEdge ? centre_ : FarBoundaryPair(chart_);
+      held_ = HoldAtDistance(chart_, anchors);
+      layout_.anchors = {anchors[0], anchors[1]};
+    }
+  }
+
+  Status MakeCells() {
+    Result<CellSystem> system = [&]() -> Result<CellSystem> {
+      if (options_.method != FlattenMethod::kAbf) return chart_.Cells(energy_);
+      auto angles = FlatAngles(chart_.mesh, chart_.topology, cancel_);
+      if (!angles) return Fail(std::move(angles.error()));
+      std::vector<std::array<Complex, 3>> frames;
+      frames.reserve(angles->size());
+      for (std::size_t t = 0; t < angles->size(); ++t) {
+        frames.push_back(FrameOfAngles((*angles)[t], chart_.frames[t][1].real()));
+      }
+      return chart_.Cells({Basis::kFace, Weights::kCotangent, energy_.rigidity}, frames);
+    }();
+    if (!system) return Fail(std::move(system.error()));
+    cells_ = std::move(system->cells);
+    layout_.clamped = system->clamped;
+    return {};
+  }
+
+  // What a factor depends on; empty when that cannot be said in a few words.
+  std::string Key(const char* step, const Held& held, bool face) const {
+    if (!energy_.rigidity.empty()) return {};
+    std::string key =
+        fmt::format("{}/{}/{}/{}/{}", name_, step, options_.method == FlattenMethod::kAbf,
+                    face ? "refine" : fmt::to_string(static_cast<int>(energy_.basis)),
+                    static_cast<int>(energy_.weights));
+    for (const HeldVertex& h : held.vertices) {
+      key += fmt::format("/{}:{}", h.vertex, h.weight);
+    }
+    return key;
+  }
+
+  Status FirstStep() {
+    const bool spectral = held_.empty();
+    auto system = factors_.Get<Complex>(Key(spectral ? "free" : "held", held_, false), [&] {
+      return spectral ? SpectralSystem(cells_, n()) : HeldSystem(cells_, held_, n());
+    });
+    if (!system) return Fail(std::move(system.error()));
+    const auto order = (*system)->factor().order();
+    order_.assign(order.begin(), order.end());
+    auto first =
+        spectral ? SpectralFirstStep(**system, chart_, centre_,
+                                     options_.method == FlattenMethod::kArap ? kRoughly : kExactly,
+                                     cancel_)
+                 : HeldFirstStep(**system, held_, n());
+    if (!first) return Fail(std::move(first.error()));
+    layout_.first_step = *std::move(first);
+    layout_.uv = layout_.first_step;
+    return {};
+  }
+
+  // The second step and what refines it. Anchors have done their work: the rigid step needs one
+  // vertex held, or the pins.
+  Status RigidSteps() {
+    const Held none;
+    const Held& held = pins_ ? held_ : none;
+    const bool second = options_.method == FlattenMethod::kArap;
+    // The second step of FACE cells with cotangents is the first refinement.
+    const bool merged = second && IsFaceCotangent(energy_);
+    if (second && !merged) {
+      if (auto taken = Take(held, {1, 0, false}, false); !taken) {
+        return Fail(std::move(taken.error()));
+      }
+    }
+    const int steps = options_.refine + (merged ? 1 : 0);
+    if (steps == 0) return {};
+    if (!merged) {
+      auto face = chart_.Cells({Basis::kFace, Weights::kCotangent, energy_.rigidity});
+      if (!face) return Fail(std::move(face.error()));
+      cells_ = std::move(face->cells);
+    }
+    const double stop = options_.refine > 0 ? options_.refine_stop : 0;
+    auto taken = Take(held, {steps, stop, options_.refine > 0}, true);
+    if (!taken) return Fail(std::move(taken.error()));
+    layout_.refinements = std::max(0, *taken - (merged ? 1 : 0));
+    return {};
+  }
+
+  Result<int> Take(const Held& held, const LocalGlobalOptions& steps, bool face) {
+    auto system = factors_.Get<double>(Key("rigid", held, face), [&] {
+      return RigidSystem(cells_, held, centre_[0], n(), order_);
+    });
+    if (!system) return Fail(std::move(system.error()));
+    return LocalGlobal(cells_, held, **system, steps, cancel_, layout_.uv);
+  }
+
+  Status MakeInjective() {
+    if (NotUpright(chart_.mesh.triangles, layout_.uv, chart_.left_out).empty()) return {};
+    InjectiveOptions options;
+    options.left_out = chart_.left_out;
+    if (pins_) {
+      for (const HeldVertex& h : held_.vertices) {
+        options.pins.push_back(
+            {h.vertex, h.uv, h.weight > 0 ? h.weight : std::numeric_limits<double>::infinity()});
+      }
+    }
+    auto layout = FlattenInjective(chart_.mesh, chart_.loops, layout_.uv, options, cancel_);
+    if (!layout) return Fail(std::move(layout.error()));
+    layout_.uv = std::move(layout->uv);
+    return {};
+  }
+
+  // Into the units of the input, and to where a grain line and a single pin want it.
+  void Place(const ChartWishes& wishes) {
+    Complex turn = 1;
+    if (wishes.grain) {
+      const Complex along = layout_.uv[wishes.grain->to] - layout_.uv[wishes.grain->from];
+      turn = std::polar(1.0, wishes.grain->angle - std::arg(along));
+    }
+    Complex shift = origin_;
+    if (wishes.pins.size() == 1) {
+      const HeldVertex& pin = wishes.pins.front();
+      shift = pin.uv - turn * layout_.uv[pin.vertex] * chart_.diagonal;
+    }
+    for (auto* points : {&layout_.first_step, &layout_.uv}) {
+      for (Complex& p : *points) p = turn * p * chart_.diagonal + shift;
+    }
+    // Exactly, not up to the rounding of two changes of the unit.
+    for (const HeldVertex& pin : wishes.pins) {
+      if (pin.weight == 0 || wishes.pins.size() == 1) layout_.uv[pin.vertex] = pin.uv;
+    }
+  }
+
+  const SurfaceChart& chart_;
+  const FlattenOptions& options_;
+  const EnergyOptions& energy_;
+  const std::string& name_;
+  FactorCache& factors_;
+  const CancelToken& cancel_;
+  const std::array<std::uint32_t, 2> centre_;
+  Held held_;
+  bool pins_ = false;
+  Complex origin_ = 0;
+  Cells cells_;
+  std::vector<int> order_;
+  ChartLayout layout_;
+};
+
+}  // namespace
+
+Result<ChartLayout> FlattenChart(const SurfaceChart& chart, const FlattenOptions& options,
+                                 const EnergyOptions& energy, const ChartWishes& wishes,
+                                 const std::string& name, FactorCache& factors,
+                                 const CancelToken& cancel) {
+  return ChartFlattener(chart, options, energy, name, factors, cancel).Flatten(wishes);
+}
+
+}  // namespace arap

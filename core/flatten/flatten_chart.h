@@ -1,0 +1,29 @@
+// One chart laid flat: its steps in order.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/flatten/flattener.h"
+#include "core/flatten/pins.h"
+#include "core/flatten/surface_chart.h"
+
+namespace arap {
+
+// In units of the input, at the place that the pins say or around the anchors.
+struct ChartLayout {
+  std::vector<Complex> first_step, uv;  // #V
+  std::vector<std::uint32_t> anchors;   // of the chart; two or none
+  int refinements = 0;
+  std::size_t clamped = 0;  // edges whose cotangent was raised
+};
+
+// `energy` is that of the options with the rigidity of the chart's own triangles. `name` tells the
+// chart's factors from those of others in `factors`. Faults: kNumerical, kNotInjective, of
+// `cancel`.
+Result<ChartLayout> FlattenChart(const SurfaceChart& chart, const FlattenOptions& options,
+                                 const EnergyOptions& energy, const ChartWishes& wishes,
+                                 const std::string& name, FactorCache& factors,
+                                 const CancelToken& cancel);
+
+}  // namespace arap

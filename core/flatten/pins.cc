@@ -1,0 +1,171 @@
+#include "core/flatten/pins.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace arap {
+namespace {
+
+// Part of a chart's diagonal below which two places are one.
+constexpr double kOnePlace = 1e-9;
+
+Fault Wrong(FaultKind kind, const char* list, std::size_t entry, const char* member,
+            std::string message) {
+  return {kind, std::move(message), {}, {}, fmt::format("{}[{}]{}", list, entry, member)};
+}
+
+class Finder {
+ public:
+  Finder(const PreparedSurface& surface, const FlattenOptions& options)
+      : surface_(surface), options_(options), wishes_(surface.charts().size()) {}
+
+  Result<std::vector<ChartWishes>> Find() {
+    if (options_.pins.empty() && options_.grain_lines.empty()) return std::move(wishes_);
+    if (auto ok = CheckPins(); !ok) return Fail(std::move(ok.error()));
+    FindPlaces();
+    for (std::size_t i = 0; i < options_.pins.size(); ++i) {
+      if (auto ok = AddPin(i); !ok) return Fail(std::move(ok.error()));
+    }
+    if (auto ok = CheckSpread(); !ok) return Fail(std::move(ok.error()));
+    for (std::size_t i = 0; i < options_.grain_lines.size(); ++i) {
+      if (auto ok = AddGrainLine(i); !ok) return Fail(std::move(ok.error()));
+    }
+    return std::move(wishes_);
+  }
+
+ private:
+  // A vertex of a chart.
+  struct Place {
+    std::uint32_t input, chart, vertex;
+  };
+
+  Status CheckVertex(std::uint32_t vertex, const char* list, std::size_t i, const char* member) {
+    if (vertex < surface_.input_vertices()) return {};
+    Fault fault = Wrong(FaultKind::kIndexOutOfRange, list, i, member,
+                        fmt::format("{}[{}] names vertex {}; the mesh has {}", list, i, vertex,
+                                    surface_.input_vertices()));
+    fault.Element(vertex).Detail("limit", fmt::to_string(surface_.input_vertices()));
+    return Fail(std::move(fault));
+  }
+
+  Status CheckPins() {
+    std::vector<bool> pinned(surface_.input_vertices());
+    for (std::size_t i = 0; i < options_.pins.size(); ++i) {
+      const UvPin& pin = options_.pins[i];
+      if (auto ok = CheckVertex(pin.vertex, "pins", i, ".vertex"); !ok) return ok;
+      if (!std::isfinite(pin.uv.real()) || !std::isfinite(pin.uv.imag())) {
+        return Fail(Wrong(FaultKind::kInvalidOption, "pins", i, "",
+                          fmt::format("the place of pins[{}] is not finite", i))
+                        .Element(pin.vertex));
+      }
+      if (!(pin.weight >= 0 && pin.weight <= kMaxPinWeight)) {
+        return Fail(Wrong(FaultKind::kInvalidOption, "pins", i, ".weight",
+                          fmt::format("the weight of pins[{}] is {}; it must be 0 to {:g}", i,
+                                      pin.weight, kMaxPinWeight))
+                        .Element(pin.vertex)
+                        .Detail("limit", fmt::format("{:g}", kMaxPinWeight)));
+      }
+      if (pinned[pin.vertex]) {
+        return Fail(Wrong(FaultKind::kInvalidOption, "pins", i, ".vertex",
+                          fmt::format("vertex {} is pinned twice", pin.vertex))
+                        .Element(pin.vertex));
+      }
+      pinned[pin.vertex] = true;
+    }
+    return {};
+  }
+
+  // The places of the vertices that are named, by input vertex.
+  void FindPlaces() {
+    std::vector<bool> named(surface_.input_vertices());
+    for (const UvPin& pin : options_.pins) named[pin.vertex] = true;
+    for (const GrainLine& line : options_.grain_lines) {
+      for (const std::uint32_t v : {line.from, line.to}) {
+        if (v < named.size()) named[v] = true;
+      }
+    }
+    const auto& charts = surface_.charts();
+    for (std::uint32_t c = 0; c < charts.size(); ++c) {
+      for (std::uint32_t v = 0; v < charts[c].vertices.size(); ++v) {
+        const std::uint32_t input = surface_.surface().source[charts[c].vertices[v]];
+        if (named[input]) places_.push_back({input, c, v});
+      }
+    }
+  }
+
+  Status AddPin(std::size_t i) {
+    const UvPin& pin = options_.pins[i];
+    bool found = false;
+    for (const Place& place : places_) {
+      if (place.input != pin.vertex) continue;
+      found = true;
+      wishes_[place.chart].pins.push_back({place.vertex, pin.uv, pin.weight});
+    }
+    if (found) return {};
+    return Fail(Wrong(FaultKind::kInvalidOption, "pins", i, ".vertex",
+                      fmt::format("vertex {} is in no triangle and cannot be pinned", pin.vertex))
+                    .Element(pin.vertex));
+  }
+
+  // Several pins on one spot would shrink the layout to a point.
+  Status CheckSpread() {
+    for (std::size_t c = 0; c < wishes_.size(); ++c) {
+      const auto& pins = wishes_[c].pins;
+      if (pins.size() < 2) continue;
+      const SurfaceChart& chart = surface_.charts()[c];
+      bool spread = false;
+      for (const HeldVertex& pin : pins) {
+        spread = spread || std::abs(pin.uv - pins.front().uv) > kOnePlace * chart.diagonal;
+      }
+      if (spread) continue;
+      return Fail(Fault{FaultKind::kInvalidOption,
+                        fmt::format("all {} pins of a chart are at one place", pins.size()),
+                        {surface_.surface().source[chart.vertices[pins.front().vertex]]},
+                        {},
+                        "pins"});
+    }
+    return {};
+  }
+
+  Status AddGrainLine(std::size_t i) {
+    const GrainLine& line = options_.grain_lines[i];
+    if (auto ok = CheckVertex(line.from, "grain_lines", i, ".from_vertex"); !ok) return ok;
+    if (auto ok = CheckVertex(line.to, "grain_lines", i, ".to_vertex"); !ok) return ok;
+    const auto wrong = [&](std::string message) {
+      return Fail(Wrong(FaultKind::kInvalidOption, "grain_lines", i, "", std::move(message))
+                      .Element(line.from)
+                      .Element(line.to));
+    };
+    if (!std::isfinite(line.angle)) {
+      return wrong(fmt::format("the angle of grain_lines[{}] is not finite", i));
+    }
+    if (line.from == line.to) return wrong("a grain line needs two vertices");
+    for (const Place& from : places_) {
+      if (from.input != line.from) continue;
+      for (const Place& to : places_) {
+        if (to.input != line.to || to.chart != from.chart) continue;
+        ChartWishes& wishes = wishes_[from.chart];
+        if (wishes.grain) return wrong("a chart has two grain lines");
+        if (wishes.pinned()) return wrong("a chart has a grain line and several pins");
+        wishes.grain = {from.vertex, to.vertex, line.angle};
+        return {};
+      }
+    }
+    return wrong(fmt::format("vertices {} and {} are on no common chart", line.from, line.to));
+  }
+
+  const PreparedSurface& surface_;
+  const FlattenOptions& options_;
+  std::vector<ChartWishes> wishes_;
+  std::vector<Place> places_;
+};
+
+}  // namespace
+
+Result<std::vector<ChartWishes>> FindWishes(const PreparedSurface& surface,
+                                            const FlattenOptions& options) {
+  return Finder(surface, options).Find();
+}
+
+}  // namespace arap

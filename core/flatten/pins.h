@@ -1,0 +1,34 @@
+// Pins and grain lines: what the caller wants of the layout, found on the charts.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/flatten/flattener.h"
+#include "core/flatten/held.h"
+#include "core/flatten/prepared_surface.h"
+
+namespace arap {
+
+// What is wanted of one chart.
+struct ChartWishes {
+  // Pins in units of the input. Two and more fix the layout; a single one only moves it.
+  std::vector<HeldVertex> pins;
+  struct Direction {
+    std::uint32_t from = 0, to = 0;  // of the chart
+    double angle = 0;                // radians
+  };
+  std::optional<Direction> grain;
+
+  bool pinned() const { return pins.size() > 1; }
+};
+
+// One for every chart. A vertex that a cut doubled is pinned in all its copies. Faults:
+// kIndexOutOfRange, kInvalidOption (not finite, a weight out of range, a vertex pinned twice or in
+// no triangle, several pins at one place, a grain line between charts, two on one chart or on one
+// that pins fix); fields "pins[i]…" and "grain_lines[i]…".
+Result<std::vector<ChartWishes>> FindWishes(const PreparedSurface& surface,
+                                            const FlattenOptions& options);
+
+}  // namespace arap

@@ -1,0 +1,49 @@
+// PreparedSurface: a surface validated, cut and split into charts, ready to be flattened again and
+// again.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "core/base/cancel.h"
+#include "core/cut/cut_surface.h"
+#include "core/flatten/factor_cache.h"
+#include "core/flatten/flattener.h"
+#include "core/flatten/surface_chart.h"
+
+namespace arap {
+
+// Immutable but for the factors that it keeps; thread-safe. What is kept: the charts, and the
+// factors of the last few kinds of flattening. The same method, weights and pinned vertices ask for
+// no factorisation, wherever the pins are; other ones for a new one.
+class PreparedSurface {
+ public:
+  PreparedSurface(CutSurface surface, std::size_t input_vertices, std::size_t kept_factors);
+
+  const CutSurface& surface() const { return surface_; }
+  std::size_t input_vertices() const { return input_vertices_; }
+  const std::vector<SurfaceChart>& charts() const { return charts_; }
+  FactorCache& factors() const { return factors_; }
+  // Grows as factors are kept.
+  std::size_t bytes() const;
+
+ private:
+  CutSurface surface_;
+  std::size_t input_vertices_;
+  std::vector<SurfaceChart> charts_;
+  mutable FactorCache factors_;
+};
+
+// Factors kept by Prepare, of each step.
+inline constexpr std::size_t kKeptFactors = 8;
+
+// Faults: those of CutToCharts.
+Result<std::shared_ptr<const PreparedSurface>> Prepare(SurfaceMesh mesh, const CutOptions& options,
+                                                       const CancelToken& cancel = {});
+
+// As Flatten in flattener.h, with `options.cut` already done.
+Result<Flattening> Flatten(const PreparedSurface& surface, const FlattenOptions& options,
+                           const CancelToken& cancel = {});
+
+}  // namespace arap
