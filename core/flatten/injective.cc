@@ -2,21 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
+#include "core/flatten/descent.h"
 #include "core/flatten/tutte.h"
 #include "core/flatten/upright.h"
 
 namespace arap {
 namespace {
-
-// An energy this near to isometry is rounding.
-constexpr double kExact = 1e-20;
-constexpr double kArmijo = 1e-4;
-constexpr double kBeforeLimit = 0.9;  // of the step that would collapse a triangle
-constexpr double kLeastStep = 1e-12;
 
 Status CheckPins(const std::vector<LayoutPin>& pins, std::size_t vertices) {
   std::vector<bool> seen(vertices, false);
@@ -59,13 +53,19 @@ class Search {
   Result<InjectiveLayout> Run(std::span<const Complex> candidate) {
     InjectiveLayout layout;
     if (auto ok = Start(candidate, layout); !ok) return Fail(std::move(ok.error()));
-    if (auto ok = Descend(layout); !ok) return Fail(std::move(ok.error()));
+    if (auto ok = Descend(Problem(), options_.stop, options_.max_iterations, layout.uv,
+                          layout.iterations);
+        !ok) {
+      return Fail(std::move(ok.error()));
+    }
     if (!Injective(layout.uv)) return NotInjective(layout.uv);
     layout.energy = 4 + newton_.Energy(layout.uv, 0);
     return layout;
   }
 
  private:
+  DescentProblem Problem() { return {newton_, mesh_.triangles, options_.left_out, cancel_}; }
+
   bool Injective(std::span<const Complex> uv) const {
     return NotUpright(mesh_.triangles, uv, options_.left_out).empty() &&
            WoundTwice(mesh_.triangles, uv, boundary_, options_.left_out).empty();
@@ -95,6 +95,23 @@ class Search {
     }
   }
 
+  // Triangles held at all three corners are what they are.
+  Status CheckHardTriangles(std::span<const Complex> uv) const {
+    std::vector<bool> hard(mesh_.vertices.size(), false);
+    for (const LayoutPin& pin : options_.pins) hard[pin.vertex] = std::isinf(pin.weight);
+    for (const std::uint32_t t : NotUpright(mesh_.triangles, uv, options_.left_out)) {
+      const auto& [a, b, c] = mesh_.triangles[t];
+      if (!hard[a] || !hard[b] || !hard[c]) continue;
+      return Fail(
+          Fault{FaultKind::kNotInjective,
+                fmt::format("the pins of vertices {}, {} and {} flip triangle {}", a, b, c, t),
+                {t},
+                {},
+                "pins"});
+    }
+    return {};
+  }
+
   // Turns and moves a layout of our own as near to the pins as it comes.
   void Approach(std::vector<Complex>& uv) const {
     if (options_.pins.empty()) return;
@@ -120,6 +137,7 @@ class Search {
       layout.uv.assign(candidate.begin(), candidate.end());
       MeetHardPins(layout.uv);
       if (Injective(layout.uv)) return {};
+      if (auto ok = CheckHardTriangles(layout.uv); !ok) return ok;
       tangled.push_back(layout.uv);
     }
     layout.start = InjectiveStart::kTutte;
@@ -133,92 +151,24 @@ class Search {
           fine ? newton_.BestScale(layout.uv) : 1 / std::sqrt(newton_.MeanDeterminant(layout.uv));
       for (Complex& z : layout.uv) z *= scale;
       Approach(layout.uv);
-      if (fine && Injective(layout.uv)) return {};
+      if (Injective(layout.uv)) return {};
+      if (auto ok = CheckHardTriangles(layout.uv); !ok) return ok;
       tangled.push_back(layout.uv);
     }
+    // A candidate knows the pins; without them the embeddings are nearer.
+    if (given && options_.pins.empty())
+      std::rotate(tangled.begin(), tangled.begin() + 1, tangled.end());
     layout.start = InjectiveStart::kUntangled;
+    std::vector<Complex> nearest;
+    std::size_t fewest = mesh_.triangles.size() + 1;
     for (std::vector<Complex>& uv : tangled) {
       layout.uv = std::move(uv);
-      if (auto ok = Untangle(layout); !ok) return ok;
+      if (auto ok = Untangle(Problem(), layout.uv, layout.iterations); !ok) return ok;
       if (Injective(layout.uv)) return {};
+      const std::size_t flipped = NotUpright(mesh_.triangles, layout.uv, options_.left_out).size();
+      if (flipped < fewest) fewest = flipped, nearest = layout.uv;
     }
-    return NotInjective(layout.uv);
-  }
-
-  // uv + t·move into trial_; its energy.
-  double Try(std::span<const Complex> uv, std::span<const Complex> move, double t, double epsilon) {
-    trial_.resize(uv.size());
-    for (std::size_t v = 0; v < uv.size(); ++v) trial_[v] = uv[v] + t * move[v];
-    return newton_.Energy(trial_, epsilon);
-  }
-
-  Status Untangle(InjectiveLayout& layout) {
-    double least = newton_.LeastDeterminant(layout.uv);
-    double epsilon = std::max(1e-3, std::abs(least));
-    for (int i = 0; i < options_.max_iterations; ++i) {
-      if (auto ok = cancel_.Check(); !ok) return ok;
-      const double before = newton_.Energy(layout.uv, epsilon) + 4;
-      const auto step = newton_.Direction(layout.uv, epsilon);
-      if (!step) return Fail(step.error());
-      ++layout.iterations;
-      double t = 1, after = before;
-      for (; t > kLeastStep; t /= 2) {
-        const double energy = Try(layout.uv, step->move, t, epsilon) + 4;
-        if (energy <= before + kArmijo * t * step->slope) {
-          after = energy;
-          layout.uv.swap(trial_);
-          break;
-        }
-      }
-      if (Injective(layout.uv)) return {};
-      least = newton_.LeastDeterminant(layout.uv);
-      // Tightened as fast as the energy falls [Garanzha et al. 2021 §3].
-      const double falls = std::max(1 - after / before, 0.1);
-      const double chi = 0.5 * (least + std::sqrt(least * least + epsilon * epsilon));
-      const double aim = (1 - falls) * chi;
-      const double next = least < aim ? 2 * std::sqrt(aim * (aim - least)) : 1e-10;
-      if (!(t > kLeastStep) && !(next < epsilon)) return {};
-      epsilon = next;
-    }
-    return {};
-  }
-
-  Status Descend(InjectiveLayout& layout) {
-    double energy = newton_.Energy(layout.uv, 0);
-    int idle = 0;
-    for (int i = 0; i < options_.max_iterations && energy > kExact; ++i) {
-      if (auto ok = cancel_.Check(); !ok) return ok;
-      const auto step = newton_.Direction(layout.uv, 0);
-      if (!step) return Fail(step.error());
-      if (-0.5 * step->slope <= 0.1 * options_.stop * energy) break;
-      const double limit = kBeforeLimit * newton_.Limit(layout.uv, step->move);
-      double t = std::min(1.0, limit), next = 0;
-      for (; t > kLeastStep; t /= 2) {
-        next = Try(layout.uv, step->move, t, 0);
-        if (next <= energy + kArmijo * t * step->slope && AllUpright(trial_)) break;
-      }
-      if (!(t > kLeastStep)) break;
-      best_.swap(trial_);
-      // A collapsed part wants to grow by far more than the quadratic model dares.
-      while (2 * t <= limit) {
-        const double further = Try(layout.uv, step->move, 2 * t, 0);
-        if (!(further < next) || !AllUpright(trial_)) break;
-        next = further;
-        t *= 2;
-        best_.swap(trial_);
-      }
-      layout.uv.swap(best_);
-      ++layout.iterations;
-      const double falls = energy - next;
-      energy = next;
-      idle = falls <= options_.stop * energy ? idle + 1 : 0;
-      if (idle > 0 && (t >= 1 || idle > 1)) break;
-    }
-    return {};
-  }
-
-  bool AllUpright(std::span<const Complex> uv) const {
-    return NotUpright(mesh_.triangles, uv, options_.left_out).empty();
+    return NotInjective(nearest);
   }
 
   const SurfaceMesh& mesh_;
@@ -227,7 +177,6 @@ class Search {
   const CancelToken& cancel_;
   Newton newton_;
   std::vector<bool> boundary_;
-  std::vector<Complex> trial_, best_;
 };
 
 }  // namespace

@@ -13,7 +13,7 @@
 namespace arap {
 
 struct InjectiveOptions {
-  int max_iterations = 200;
+  int max_iterations = 200;  // of the descent; untangling has its own patience
   double stop =
       1e-6;  // ends the descent: relative decrease of the symmetric Dirichlet excess over 4
   // Vertices held in the plane of the (normalised) mesh. Hard ones (infinite weight) are met

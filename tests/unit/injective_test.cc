@@ -42,14 +42,11 @@ Loops WalkLoops(const SurfaceMesh& mesh) {
   Loops loops;
   while (!next.empty()) {
     loops.emplace_back();
-    for (auto at = next.begin(); at != next.end(); at = next.find(loops.back().front())) {
-      std::uint32_t v = at->first;
-      while (next.contains(v)) {
-        loops.back().push_back(v);
-        const std::uint32_t w = next[v];
-        next.erase(v);
-        v = w;
-      }
+    for (auto at = next.begin(); at != next.end();) {
+      loops.back().push_back(at->first);
+      const std::uint32_t v = at->second;
+      next.erase(at);
+      at = next.find(v);
     }
   }
   const auto length = [&](const std::vector<std::uint32_t>& loop) {
@@ -445,12 +442,42 @@ TEST(InjectivePinsTest, PinsThatAskForAFlipAreRefused) {
   const SurfaceMesh cap = Cap(10, 20, 0.5);
   const Triangle& t = cap.triangles[50];
   InjectiveOptions options;
-  options.max_iterations = 30;
   options.pins = {{t[0], {0, 0}, kHard}, {t[1], {0, 0.1}, kHard}, {t[2], {0.1, 0}, kHard}};
-  const auto layout = Lay(cap, {}, options);
+  auto layout = Lay(cap, {}, options);
+  ASSERT_FALSE(layout.has_value());
+  EXPECT_EQ(layout.error().kind, FaultKind::kNotInjective);
+  EXPECT_EQ(layout.error().elements, std::vector<std::uint32_t>{50});
+  // The six neighbours of a hexagon's centre on one line: no single triangle shows it.
+  SurfaceMesh fan;
+  fan.vertices.emplace_back(0, 0, 0);
+  options.pins.clear();
+  for (std::uint32_t k = 0; k < 6; ++k) {
+    const double angle = k * std::numbers::pi / 3;
+    fan.vertices.emplace_back(std::cos(angle), std::sin(angle), 0);
+    fan.triangles.push_back({0, 1 + k, 1 + (k + 1) % 6});
+    options.pins.push_back({1 + k, {0.1 * k, 0}, kHard});
+  }
+  layout = Lay(fan, {}, options);
   ASSERT_FALSE(layout.has_value());
   EXPECT_EQ(layout.error().kind, FaultKind::kNotInjective);
   EXPECT_FALSE(layout.error().elements.empty());
+}
+
+TEST(InjectivePinsTest, PinsThatTangleTheStartAreUntangled) {
+  // The pole of a cap is carried to near its rim: every start is tangled, an answer exists.
+  const SurfaceMesh cap = Cap(10, 20, 0.5);
+  const auto free = Lay(cap);
+  ASSERT_TRUE(free.has_value());
+  const auto last = static_cast<std::uint32_t>(cap.vertices.size() - 1);
+  const auto across = static_cast<std::uint32_t>(last - 10);
+  InjectiveOptions options;
+  options.pins = {{last, free->uv[last], kHard},
+                  {across, free->uv[across], kHard},
+                  {0, free->uv[0] + 0.7 * (free->uv[last] - free->uv[0]), kHard}};
+  const auto layout = Lay(cap, free->uv, options);
+  ExpectInjective(cap, layout);
+  EXPECT_EQ(layout->start, InjectiveStart::kUntangled);
+  for (const LayoutPin& pin : options.pins) EXPECT_EQ(layout->uv[pin.vertex], pin.uv);
 }
 
 TEST(InjectivePinsTest, NonsenseIsNamed) {
