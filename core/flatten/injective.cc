@@ -59,7 +59,7 @@ class Search {
       return Fail(std::move(ok.error()));
     }
     if (!Injective(layout.uv)) return NotInjective(layout.uv);
-    layout.energy = 4 + newton_.Energy(layout.uv, 0);
+    layout.energy = 4 + newton_.Distortion(layout.uv, 0);
     return layout;
   }
 
@@ -146,6 +146,9 @@ class Search {
       auto tutte = TutteEmbedding(mesh_, loops_, weights, options_.left_out);
       if (!tutte) return Fail(std::move(tutte.error()));
       layout.uv = std::move(*tutte);
+      if (newton_.MeanDeterminant(layout.uv) < 0) {  // loops that run against the triangles
+        for (Complex& z : layout.uv) z = std::conj(z);
+      }
       const bool fine = Injective(layout.uv);
       const double scale =
           fine ? newton_.BestScale(layout.uv) : 1 / std::sqrt(newton_.MeanDeterminant(layout.uv));

@@ -43,10 +43,11 @@ struct InjectiveLayout {
 // that counts is upright by more than rounding (Upright), and no inner vertex is wound twice; far
 // parts of the layout may still overlap. An isometric start comes back as it is.
 //
-// Stateless, deterministic. About 15 ms per 1000 triangles and iteration. Faults: kNotInjective
-// when no such layout was reached (nothing is returned then); kInvalidOption for pins that name no
-// vertex, one twice, or are not numbers; kNumerical; what `cancel` answers between iterations.
-// [Smith and Schaefer 2015; Rabinovich et al. 2017; untangling: Garanzha et al. 2021]
+// Stateless, deterministic. Some 3 ms per 1000 triangles and iteration, seldom 20 iterations.
+// Faults: kNotInjective when no such layout was reached (nothing is returned then); kInvalidOption
+// for pins that name no vertex, one twice, or are not numbers; kNumerical; what `cancel` answers
+// between iterations. [Smith and Schaefer 2015; Rabinovich et al. 2017; untangling: Garanzha et al.
+// 2021]
 Result<InjectiveLayout> FlattenInjective(const SurfaceMesh& mesh,
                                          std::span<const std::vector<std::uint32_t>> loops,
                                          std::span<const Complex> start,

@@ -131,13 +131,18 @@ void Newton::MakePattern(std::size_t vertices) {
 }
 
 double Newton::Energy(std::span<const Complex> uv, double epsilon) const {
+  double sum = Distortion(uv, epsilon);
+  for (const LayoutPin& pin : soft_) sum += pin.weight * std::norm(uv[pin.vertex] - pin.uv);
+  return sum;
+}
+
+double Newton::Distortion(std::span<const Complex> uv, double epsilon) const {
   double sum = 0;
   for (const Element& e : elements_) {
     const Map map = MapOf(e.corner, e.w, uv);
     sum += e.area *
            (epsilon > 0 ? Untangling(map.a, map.b, epsilon) : SymmetricDirichlet(map.a, map.b));
   }
-  for (const LayoutPin& pin : soft_) sum += pin.weight * std::norm(uv[pin.vertex] - pin.uv);
   return sum;
 }
 

@@ -34,6 +34,9 @@ class Newton {
 
   double Energy(std::span<const Complex> uv, double epsilon) const;
 
+  // The part of the triangles alone.
+  double Distortion(std::span<const Complex> uv, double epsilon) const;
+
   // The factor by which an upright layout should grow to have the least symmetric Dirichlet energy.
   double BestScale(std::span<const Complex> uv) const;
 
