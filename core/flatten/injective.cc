@@ -112,66 +112,122 @@ class Search {
     return {};
   }
 
-  // Turns and moves a layout of our own as near to the pins as it comes.
+  // Turns and moves a layout of our own as near to the pins as it comes. Two hard pins or more fix
+  // its size too, so that two alone are always met.
   void Approach(std::vector<Complex>& uv) const {
-    if (options_.pins.empty()) return;
+    const bool sized = HardPins() >= 2;
     Complex from = 0, to = 0, turn = 0;
-    const double count = static_cast<double>(options_.pins.size());
-    for (const LayoutPin& pin : options_.pins) from += uv[pin.vertex] / count, to += pin.uv / count;
+    double count = 0, spread = 0;
+    const auto counts = [&](const LayoutPin& pin) { return !sized || std::isinf(pin.weight); };
     for (const LayoutPin& pin : options_.pins) {
-      turn += std::conj(uv[pin.vertex] - from) * (pin.uv - to);
+      if (counts(pin)) from += uv[pin.vertex], to += pin.uv, ++count;
     }
-    turn = std::abs(turn) > 0 ? turn / std::abs(turn) : 1;
+    if (count == 0) return;
+    from /= count, to /= count;
+    for (const LayoutPin& pin : options_.pins) {
+      if (!counts(pin)) continue;
+      turn += std::conj(uv[pin.vertex] - from) * (pin.uv - to);
+      spread += std::norm(uv[pin.vertex] - from);
+    }
+    if (!(std::abs(turn) > 0)) {
+      turn = 1;
+    } else {
+      turn /= sized ? spread : std::abs(turn);
+    }
     for (Complex& z : uv) z = to + turn * (z - from);
-    MeetHardPins(uv);
   }
 
-  // The first injective layout among: the candidate, Tutte's embeddings, and these untangled.
+  std::ptrdiff_t HardPins() const {
+    return std::count_if(options_.pins.begin(), options_.pins.end(),
+                         [](const LayoutPin& pin) { return std::isinf(pin.weight); });
+  }
+
+  bool MeetsPins(std::vector<Complex>& uv) const {
+    MeetHardPins(uv);
+    return Injective(uv);
+  }
+
+  // The first injective layout that meets the hard pins among: the candidate, Tutte's embeddings,
+  // these pulled to the pins, and these untangled.
   Status Start(std::span<const Complex> candidate, InjectiveLayout& layout) {
+    std::vector<std::vector<Complex>> starts;  // injective or not, pins not met
     const bool given = candidate.size() == mesh_.vertices.size() &&
                        std::all_of(candidate.begin(), candidate.end(), [](Complex z) {
                          return std::isfinite(z.real()) && std::isfinite(z.imag());
                        });
-    std::vector<std::vector<Complex>> tangled;
     if (given) {
-      layout.uv.assign(candidate.begin(), candidate.end());
-      MeetHardPins(layout.uv);
-      if (Injective(layout.uv)) return {};
+      starts.emplace_back(candidate.begin(), candidate.end());
+      layout.uv = starts.back();
+      if (MeetsPins(layout.uv)) return {};
       if (auto ok = CheckHardTriangles(layout.uv); !ok) return ok;
-      tangled.push_back(layout.uv);
     }
     layout.start = InjectiveStart::kTutte;
     for (const TutteWeights weights : {TutteWeights::kCotangent, TutteWeights::kUniform}) {
       if (auto ok = cancel_.Check(); !ok) return ok;
-      auto tutte = TutteEmbedding(mesh_, loops_, weights, options_.left_out);
-      if (!tutte) return Fail(std::move(tutte.error()));
-      layout.uv = std::move(*tutte);
-      if (newton_.MeanDeterminant(layout.uv) < 0) {  // loops that run against the triangles
-        for (Complex& z : layout.uv) z = std::conj(z);
-      }
-      const bool fine = Injective(layout.uv);
-      const double scale =
-          fine ? newton_.BestScale(layout.uv) : 1 / std::sqrt(newton_.MeanDeterminant(layout.uv));
-      for (Complex& z : layout.uv) z *= scale;
-      Approach(layout.uv);
-      if (Injective(layout.uv)) return {};
+      auto uv = Embedding(weights);
+      if (!uv) return Fail(std::move(uv.error()));
+      starts.push_back(*uv);
+      layout.uv = std::move(*uv);
+      if (MeetsPins(layout.uv)) return {};
       if (auto ok = CheckHardTriangles(layout.uv); !ok) return ok;
-      tangled.push_back(layout.uv);
+    }
+    layout.start = InjectiveStart::kMended;
+    for (const std::vector<Complex>& uv : starts) {
+      if (HardPins() == 0 || !Injective(uv)) continue;
+      layout.uv = uv;
+      if (auto ok = Pull(layout); !ok) return ok;
+      if (MeetsPins(layout.uv)) return {};
     }
     // A candidate knows the pins; without them the embeddings are nearer.
     if (given && options_.pins.empty())
-      std::rotate(tangled.begin(), tangled.begin() + 1, tangled.end());
-    layout.start = InjectiveStart::kUntangled;
+      std::rotate(starts.begin(), starts.begin() + 1, starts.end());
     std::vector<Complex> nearest;
     std::size_t fewest = mesh_.triangles.size() + 1;
-    for (std::vector<Complex>& uv : tangled) {
+    for (std::vector<Complex>& uv : starts) {
       layout.uv = std::move(uv);
+      MeetHardPins(layout.uv);
       if (auto ok = Untangle(Problem(), layout.uv, layout.iterations); !ok) return ok;
       if (Injective(layout.uv)) return {};
       const std::size_t flipped = NotUpright(mesh_.triangles, layout.uv, options_.left_out).size();
       if (flipped < fewest) fewest = flipped, nearest = layout.uv;
     }
     return NotInjective(nearest);
+  }
+
+  // Tutte's, of the best size and near the pins.
+  Result<std::vector<Complex>> Embedding(TutteWeights weights) const {
+    auto uv = TutteEmbedding(mesh_, loops_, weights, options_.left_out);
+    if (!uv) return uv;
+    if (newton_.MeanDeterminant(*uv) < 0) {  // loops that run against the triangles
+      for (Complex& z : *uv) z = std::conj(z);
+    }
+    const double scale =
+        Injective(*uv) ? newton_.BestScale(*uv) : 1 / std::sqrt(newton_.MeanDeterminant(*uv));
+    for (Complex& z : *uv) z *= scale;
+    Approach(*uv);
+    return uv;
+  }
+
+  // Draws the vertices of the hard pins, softened, ever closer to their places.
+  Status Pull(InjectiveLayout& layout) {
+    for (const double weight : {1e1, 1e3, 1e5, 1e7}) {
+      std::vector<LayoutPin> soft = options_.pins;
+      for (LayoutPin& pin : soft) pin.weight = std::min(pin.weight, weight);
+      auto newton = Newton::Make(mesh_, soft, options_.left_out);
+      if (!newton) return Fail(std::move(newton.error()));
+      const DescentProblem problem{*newton, mesh_.triangles, options_.left_out, cancel_};
+      if (auto ok = Descend(problem, options_.stop, options_.max_iterations, layout.uv,
+                            layout.iterations);
+          !ok) {
+        return ok;
+      }
+      std::vector<Complex> met = layout.uv;
+      if (MeetsPins(met)) {
+        layout.uv = std::move(met);
+        break;
+      }
+    }
+    return {};
   }
 
   const SurfaceMesh& mesh_;

@@ -24,15 +24,15 @@ struct InjectiveOptions {
 
 // Where the descent began.
 enum class InjectiveStart {
-  kGiven,      // the candidate had no flip
-  kTutte,      // Tutte's embedding
-  kUntangled,  // the candidate or the embedding, its flips pushed out first
+  kGiven,   // the candidate had no flip
+  kTutte,   // Tutte's embedding
+  kMended,  // one of these after it was pulled to the pins or its flips were pushed out
 };
 
 struct InjectiveLayout {
   std::vector<Complex> uv;  // #V
   InjectiveStart start = InjectiveStart::kGiven;
-  int iterations = 0;  // Newton steps, untangling included
+  int iterations = 0;  // Newton steps, those of mending included
   double energy = 4;   // symmetric Dirichlet energy, area-weighted; 4 is an isometry
 };
 

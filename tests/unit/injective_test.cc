@@ -326,7 +326,7 @@ TEST(InjectiveTest, UntanglesAFingerTooLongForDoubles) {
   }
   const auto layout = Lay(finger);
   ExpectInjective(finger, layout);
-  EXPECT_EQ(layout->start, InjectiveStart::kUntangled);
+  EXPECT_EQ(layout->start, InjectiveStart::kMended);
 }
 
 TEST(InjectiveTest, EndsAtAMinimum) {
@@ -425,6 +425,22 @@ TEST(InjectivePinsTest, HardPinsAreMetExactly) {
   for (const LayoutPin& pin : options.pins) EXPECT_EQ(layout->uv[pin.vertex], pin.uv);
 }
 
+TEST(InjectivePinsTest, TwoHardPinsAreAlwaysMet) {
+  // Wild heights; pins at any distance from each other.
+  PlanarMesh plane = JitteredGrid(12, 9, 8);
+  SurfaceMesh mesh = Lifted(plane);
+  Random random(4);
+  for (auto& p : mesh.vertices) p.z() += random.Uniform(-0.5, 0.5);
+  mesh = UnitDiagonal(mesh);
+  for (const double distance : {0.02, 0.3, 5.0}) {
+    InjectiveOptions options;
+    options.pins = {{0, {1, 1}, kHard}, {12, {1, 1 + distance}, kHard}};
+    const auto layout = Lay(mesh, {}, options);
+    ExpectInjective(mesh, layout);
+    for (const LayoutPin& pin : options.pins) EXPECT_EQ(layout->uv[pin.vertex], pin.uv);
+  }
+}
+
 TEST(InjectivePinsTest, SoftPinsPull) {
   const SurfaceMesh cap = Cap(10, 20, 0.5);
   const auto last = static_cast<std::uint32_t>(cap.vertices.size() - 1);
@@ -469,7 +485,7 @@ TEST(InjectivePinsTest, PinsThatAskForAFlipAreRefused) {
   EXPECT_FALSE(layout.error().elements.empty());
 }
 
-TEST(InjectivePinsTest, PinsThatTangleTheStartAreUntangled) {
+TEST(InjectivePinsTest, PinsThatTangleTheStartAreMended) {
   // The pole of a cap is carried to near its rim: every start is tangled, an answer exists.
   const SurfaceMesh cap = Cap(10, 20, 0.5);
   const auto free = Lay(cap);
@@ -482,7 +498,7 @@ TEST(InjectivePinsTest, PinsThatTangleTheStartAreUntangled) {
                   {0, free->uv[0] + 0.7 * (free->uv[last] - free->uv[0]), kHard}};
   const auto layout = Lay(cap, free->uv, options);
   ExpectInjective(cap, layout);
-  EXPECT_EQ(layout->start, InjectiveStart::kUntangled);
+  EXPECT_EQ(layout->start, InjectiveStart::kMended);
   for (const LayoutPin& pin : options.pins) EXPECT_EQ(layout->uv[pin.vertex], pin.uv);
 }
 
