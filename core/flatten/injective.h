@@ -13,11 +13,13 @@
 namespace arap {
 
 struct InjectiveOptions {
-  int max_iterations = 200;  // of the descent; untangling has its own patience
-  double stop =
-      1e-6;  // ends the descent: relative decrease of the symmetric Dirichlet excess over 4
-  // Vertices held in the plane of the (normalised) mesh. Hard ones (infinite weight) are met
-  // exactly or there is no layout; soft ones add weight·|z − uv|² to the energy.
+  // Steps of the descent; mending a start has its own patience.
+  int max_iterations = 200;
+  // The descent ends when a step lowers what the energy has above 4 by less than this fraction.
+  double stop = 1e-6;
+  // Vertices held in the plane, in units of the normalised mesh; any number. Hard ones (infinite
+  // weight) are met exactly or there is no layout; soft ones add weight·|z − uv|² to the mean
+  // energy of a triangle, so that 1 is gentle and 1e4 is firm.
   std::vector<LayoutPin> pins;
   std::vector<bool> left_out;  // #F or empty: degenerate triangles, which do not count
 };

@@ -1,4 +1,4 @@
-// Layouts without flips: the energy and its derivatives, the start, the descent, the refusal.
+// Layouts without flips: the descent, pins, the refusal.
 #include "core/flatten/injective.h"
 
 #include <algorithm>
@@ -7,14 +7,12 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <map>
 #include <numbers>
 #include <sstream>
 
 #include <gtest/gtest.h>
 
 #include "core/flatten/distortion.h"
-#include "core/flatten/energy_density.h"
 #include "core/flatten/newton.h"
 #include "core/flatten/tutte.h"
 #include "core/flatten/upright.h"
@@ -22,52 +20,10 @@
 #include "tests/support/meshes.h"
 #include "tests/support/random.h"
 #include "tests/support/surfaces.h"
+#include "tests/unit/injective_fixture.h"
 
 namespace arap::testing {
 namespace {
-
-constexpr double kHard = std::numeric_limits<double>::infinity();
-using Loops = std::vector<std::vector<std::uint32_t>>;
-
-// Boundary loops in the direction of their triangles, longest first.
-Loops WalkLoops(const SurfaceMesh& mesh) {
-  std::map<std::uint32_t, std::uint32_t> next;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, bool> sides;
-  for (const Triangle& t : mesh.triangles) {
-    for (std::size_t k = 0; k < 3; ++k) sides[{t[k], t[(k + 1) % 3]}] = true;
-  }
-  for (const auto& [side, _] : sides) {
-    if (!sides.contains({side.second, side.first})) next[side.first] = side.second;
-  }
-  Loops loops;
-  while (!next.empty()) {
-    loops.emplace_back();
-    for (auto at = next.begin(); at != next.end();) {
-      loops.back().push_back(at->first);
-      const std::uint32_t v = at->second;
-      next.erase(at);
-      at = next.find(v);
-    }
-  }
-  const auto length = [&](const std::vector<std::uint32_t>& loop) {
-    double sum = 0;
-    for (std::size_t k = 0; k < loop.size(); ++k) {
-      sum += (mesh.vertices[loop[k]] - mesh.vertices[loop[(k + 1) % loop.size()]]).norm();
-    }
-    return sum;
-  };
-  std::stable_sort(loops.begin(), loops.end(),
-                   [&](const auto& a, const auto& b) { return length(a) > length(b); });
-  return loops;
-}
-
-SurfaceMesh UnitDiagonal(SurfaceMesh mesh) {
-  Eigen::Vector3d low = mesh.vertices[0], high = low;
-  for (const auto& p : mesh.vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  const double diagonal = (high - low).norm();
-  for (auto& p : mesh.vertices) p = (p - low) / diagonal;
-  return mesh;
-}
 
 // A bumpy finger, open at its root: `rings` around, one vertex at the tip.
 SurfaceMesh Finger(std::size_t rings, std::size_t sectors, double length) {
@@ -82,20 +38,6 @@ SurfaceMesh Finger(std::size_t rings, std::size_t sectors, double length) {
     mesh.vertices[v] = {radius * std::cos(angle), radius * std::sin(angle), z};
   }
   return UnitDiagonal(mesh);
-}
-
-// The cap of the unit sphere that holds `share` of its area.
-SurfaceMesh Cap(std::size_t rings, std::size_t sectors, double share) {
-  return UnitDiagonal(SphereCap(rings, sectors, std::acos(1 - 2 * share)));
-}
-
-SurfaceMesh Lifted(const PlanarMesh& mesh) {
-  SurfaceMesh result;
-  for (const Complex p : mesh.vertices) {
-    result.vertices.emplace_back(p.real(), p.imag(), 0.3 * std::sin(p.real()) * p.imag());
-  }
-  result.triangles = mesh.triangles;
-  return UnitDiagonal(result);
 }
 
 Result<InjectiveLayout> Lay(const SurfaceMesh& mesh, const std::vector<Complex>& start = {},
@@ -136,176 +78,6 @@ double WorstEdge(const SurfaceMesh& mesh, const std::vector<Complex>& uv) {
   }
   return worst;
 }
-
-std::vector<Complex> Noise(std::size_t count, double size, std::uint64_t seed) {
-  Random random(seed);
-  std::vector<Complex> noise(count);
-  for (Complex& z : noise) {
-    const double x = random.Uniform(-size, size), y = random.Uniform(-size, size);
-    z = {x, y};
-  }
-  return noise;
-}
-
-// Plane positions of a planar mesh scaled like its lifted surface.
-std::vector<Complex> From(const PlanarMesh& mesh, double scale) {
-  std::vector<Complex> uv = mesh.vertices;
-  for (Complex& z : uv) z *= scale;
-  return uv;
-}
-
-// ---- Energies
-
-template <class Value, class Derivatives>
-void ExpectDerivatives(double a, double b, Value value, Derivatives derivatives) {
-  const Density d = derivatives(a, b);
-  const double h = 1e-4 * std::min(1.0, std::max(a, b));
-  const double da = (value(a + h, b) - value(a - h, b)) / (2 * h);
-  const double db = (value(a, b + h) - value(a, b - h)) / (2 * h);
-  const double size = std::abs(value(a, b)) + 1;
-  EXPECT_NEAR(d.twist * a, da, 1e-5 * size) << a << ' ' << b;
-  EXPECT_NEAR(d.shear * b, db, 1e-5 * size) << a << ' ' << b;
-  const double mid = value(a, b);
-  EXPECT_NEAR(d.aa, (value(a + h, b) - 2 * mid + value(a - h, b)) / (h * h), 1e-3 * size);
-  EXPECT_NEAR(d.bb, (value(a, b + h) - 2 * mid + value(a, b - h)) / (h * h), 1e-3 * size);
-  EXPECT_NEAR(
-      d.ab,
-      (value(a + h, b + h) - value(a + h, b - h) - value(a - h, b + h) + value(a - h, b - h)) /
-          (4 * h * h),
-      1e-3 * size);
-}
-
-TEST(EnergyDensityTest, HasTheDerivativesOfItsValue) {
-  for (const auto& [a, b] : {std::pair{1.0, 0.2}, {2.0, 1.2}, {0.9, 0.05}, {1.4, 0.7}}) {
-    ExpectDerivatives(a, b, SymmetricDirichlet, SymmetricDirichletDensity);
-  }
-  for (const double epsilon : {0.5, 1.0}) {
-    for (const auto& [a, b] : {std::pair{1.0, 0.2}, {0.5, 0.9}, {0.7, 0.7}, {1.5, 0.3}}) {
-      ExpectDerivatives(
-          a, b, [&](double x, double y) { return Untangling(x, y, epsilon); },
-          [&](double x, double y) { return UntanglingDensity(x, y, epsilon); });
-    }
-  }
-}
-
-TEST(EnergyDensityTest, IsLeastAtAnIsometryAndInfiniteAtACollapse) {
-  EXPECT_EQ(SymmetricDirichlet(1, 0), 0);
-  EXPECT_NEAR(SymmetricDirichlet(1 + 1e-9, 0), 8e-18, 1e-23);  // no cancellation
-  EXPECT_TRUE(std::isinf(SymmetricDirichlet(0.5, 0.5)));
-  EXPECT_TRUE(std::isinf(SymmetricDirichlet(0.5, 0.6)));
-  // s1 = 2, s2 = 1/2: 4 + 1/4 + 1/4 + 4, less 4.
-  EXPECT_NEAR(SymmetricDirichlet(1.25, 0.75), 4.5, 1e-14);
-  EXPECT_NEAR(Untangling(1, 0, 1e-9), 0, 1e-12);
-  EXPECT_TRUE(std::isfinite(Untangling(0, 1, 1e-3)));
-}
-
-TEST(NewtonTest, SlopeIsThatOfTheEnergyAlongTheStep) {
-  const PlanarMesh plane = JitteredGrid(6, 5, 3);
-  const SurfaceMesh mesh = Lifted(plane);
-  std::vector<Complex> uv = From(plane, 1 / 8.0);
-  const auto noise = Noise(uv.size(), 0.01, 5);
-  for (std::size_t v = 0; v < uv.size(); ++v) uv[v] += noise[v];
-  const std::vector<LayoutPin> pins{{3, {0.1, 0.4}, 0.7}, {8, uv[8], kHard}};
-  auto newton = Newton::Make(mesh, pins, {});
-  ASSERT_TRUE(newton.has_value());
-  for (const double epsilon : {0.0, 0.3}) {
-    const auto step = newton->Direction(uv, epsilon);
-    ASSERT_TRUE(step.has_value());
-    EXPECT_EQ(step->move[8], Complex(0));
-    EXPECT_LT(step->slope, 0);
-    const double h = 1e-6;
-    std::vector<Complex> ahead = uv, behind = uv;
-    for (std::size_t v = 0; v < uv.size(); ++v) {
-      ahead[v] += h * step->move[v];
-      behind[v] -= h * step->move[v];
-    }
-    const double slope =
-        (newton->Energy(ahead, epsilon) - newton->Energy(behind, epsilon)) / (2 * h);
-    EXPECT_NEAR(step->slope, slope, 1e-6 * std::abs(slope));
-  }
-}
-
-TEST(NewtonTest, ConvergesQuadraticallyToAnIsometry) {
-  const Developable made = Accordion(8, 6, 4, 1, 2.4, 2);
-  auto newton = Newton::Make(made.surface, {}, {});
-  ASSERT_TRUE(newton.has_value());
-  std::vector<Complex> uv = made.flat;
-  const auto noise = Noise(uv.size(), 1e-4, 7);
-  for (std::size_t v = 0; v < uv.size(); ++v) uv[v] += noise[v];
-  double energy = newton->Energy(uv, 0);
-  for (int i = 0; i < 2; ++i) {
-    const auto step = newton->Direction(uv, 0);
-    ASSERT_TRUE(step.has_value());
-    for (std::size_t v = 0; v < uv.size(); ++v) uv[v] += step->move[v];
-    const double next = newton->Energy(uv, 0);
-    EXPECT_LT(next, 1e-3 * energy);
-    energy = next;
-  }
-}
-
-TEST(NewtonTest, LimitIsWhereTheFirstTriangleCollapses) {
-  const PlanarMesh plane = JitteredGrid(6, 5, 4);
-  const SurfaceMesh mesh = Lifted(plane);
-  auto newton = Newton::Make(mesh, {}, {});
-  ASSERT_TRUE(newton.has_value());
-  const auto move = Noise(plane.vertices.size(), 1, 6);
-  const double limit = newton->Limit(plane.vertices, move);
-  ASSERT_TRUE(limit > 0 && std::isfinite(limit));
-  const auto at = [&](double t) {
-    std::vector<Complex> uv = plane.vertices;
-    for (std::size_t v = 0; v < uv.size(); ++v) uv[v] += t * move[v];
-    return newton->LeastDeterminant(uv);
-  };
-  EXPECT_GT(at(0.5 * limit), 0);
-  EXPECT_GT(at((1 - 1e-6) * limit), 0);
-  EXPECT_LT(at((1 + 1e-6) * limit), 0);
-  const std::vector<Complex> still(move.size(), Complex(1, 2));
-  EXPECT_TRUE(std::isinf(newton->Limit(plane.vertices, still)));
-}
-
-// ---- Upright
-
-TEST(UprightTest, NeedsAnAreaBeyondRounding) {
-  EXPECT_TRUE(Upright({0, 0}, {1, 0}, {0, 1}));
-  EXPECT_FALSE(Upright({0, 0}, {0, 1}, {1, 0}));
-  EXPECT_FALSE(Upright({0, 0}, {1, 1}, {2, 2}));
-  EXPECT_TRUE(Upright({0, 0}, {1, 0}, {0, 1e-12}));
-  EXPECT_FALSE(Upright({1, 1}, {2, 1}, {1, 1 + 2e-16}));
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(Upright({0, 0}, {1, 0}, {0, nan}));
-  EXPECT_FALSE(Upright({0, 0}, {1, 0}, {0, kHard}));
-}
-
-TEST(UprightTest, SeesAVertexThatIsWoundTwice) {
-  // Twelve triangles round vertex 0; each spans 30° or, the second time, 60° of the plane.
-  std::vector<Triangle> fan;
-  for (std::uint32_t k = 0; k < 12; ++k) fan.push_back({0, 1 + k, 1 + (k + 1) % 12});
-  std::vector<bool> boundary(13, true);
-  boundary[0] = false;
-  for (const int turns : {1, 2}) {
-    std::vector<Complex> uv{0};
-    for (int k = 0; k < 12; ++k) uv.push_back(std::polar(1.0, turns * k * std::numbers::pi / 6));
-    EXPECT_TRUE(NotUpright(fan, uv).empty());
-    EXPECT_EQ(WoundTwice(fan, uv, boundary).size(), turns == 1 ? 0u : 1u);
-  }
-}
-
-// ---- The start
-
-TEST(TutteTest, LaysEveryDiskAndRingOut) {
-  for (const SurfaceMesh& mesh :
-       {Lifted(SingleTriangle()), Lifted(Strip(9)), Lifted(JitteredGrid(9, 7, 2)),
-        Lifted(Annulus(4, 20, 1, 3)), Cap(12, 24, 0.95)}) {
-    for (const TutteWeights weights : {TutteWeights::kUniform, TutteWeights::kCotangent}) {
-      const auto uv = TutteEmbedding(mesh, WalkLoops(mesh), weights);
-      ASSERT_TRUE(uv.has_value());
-      EXPECT_TRUE(NotUpright(mesh.triangles, *uv).empty());
-      for (const Complex z : *uv) EXPECT_LE(std::abs(z), 1 + 1e-12);
-    }
-  }
-}
-
-// ---- The descent
 
 TEST(InjectiveTest, LaysDeepSurfacesOutWithoutAFlip) {
   for (const SurfaceMesh& mesh :
@@ -411,8 +183,6 @@ TEST(InjectiveTest, TakesLoopsInEitherDirection) {
   ExpectInjective(ring, FlattenInjective(ring, loops, {}, {}));
 }
 
-// ---- Pins
-
 TEST(InjectivePinsTest, HardPinsAreMetExactly) {
   const SurfaceMesh cap = Cap(10, 20, 0.5);
   const auto last = static_cast<std::uint32_t>(cap.vertices.size() - 1);
@@ -517,8 +287,6 @@ TEST(InjectivePinsTest, NonsenseIsNamed) {
     EXPECT_EQ(layout.error().kind, FaultKind::kInvalidOption);
   }
 }
-
-// ---- The rest
 
 TEST(InjectiveTest, TrianglesLeftOutDoNotCount) {
   // An edge of a sheet with a T: vertex n lies on it, closed by a triangle of no area.
