@@ -109,7 +109,8 @@ Result<std::vector<Complex>> SpectralFirstStep(const GroundedSystem<Complex>& sy
   const std::vector<std::uint32_t> boundary = Boundary(chart);
   std::vector<Complex> x = Shadow(chart), right(n), last(n);
   Workspace workspace;
-  const Fault no_spread{FaultKind::kNumerical, "the boundary of the first step has no spread"};
+  const Fault no_spread{
+      FaultKind::kNumerical, "the boundary of the first step has no spread", {}, {}, {}};
   if (!Spread(boundary, x, right)) return Fail(no_spread);
   for (int step = 0; step < kMaxSpectralSteps; ++step) {
     if (auto ok = cancel.Check(); !ok) return Fail(std::move(ok.error()));

@@ -18,8 +18,10 @@ TEST(HemisphereFlattenTest, ReachesTheContinuousEnergy) {
   double last = 1;
   for (const std::size_t rings : {8u, 16u, 32u}) {
     const SurfaceMesh hemisphere = SphereCap(rings, 4 * rings, 0.5 * std::numbers::pi);
-    const Flattening flat =
-        Must(Flatten(hemisphere, {{Basis::kFace, Weights::kCotangent, {}}, 200, {}}));
+    FlattenOptions options;
+    options.energy = {Basis::kFace, Weights::kCotangent, {}};
+    options.refine = 200;
+    const Flattening flat = Must(Flatten(hemisphere, options));
     const double error = std::abs(flat.distortion.arap_energy / continuous - 1);
     EXPECT_LT(error, 0.5 * last) << rings;
     last = error;
