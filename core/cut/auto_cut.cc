@@ -15,7 +15,7 @@ Result<std::vector<std::uint32_t>> CutToDisks(std::span<const Eigen::Vector3d> i
   CutShortener shortener(field, cancel);
   for (const Chart& chart : charts) {
     if (chart.disk()) continue;
-    field.MeasureCurvature(chart);
+    field.Measure(chart);
     const auto ends = graph.Draw(chart);
     if (!ends) return Fail(ends.error());
     if (auto ok = shortener.Shorten(chart, *ends); !ok) return Fail(std::move(ok.error()));

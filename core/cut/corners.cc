@@ -80,8 +80,8 @@ std::vector<std::uint32_t> JoinUnparted(const SplitVertices& split, std::span<co
     if (edge.size() < 2 || !gluing.open(edge[0].index)) return;
     ends.clear();
     for (const Side& side : edge) {
-      const auto [low, high] =
-          std::minmax(SideStart(split.triangles, side.index), SideEnd(split.triangles, side.index));
+      const auto [low, high] = std::minmax(
+          {SideStart(split.triangles, side.index), SideEnd(split.triangles, side.index)});
       ends.push_back({low, high, side.index});
     }
     std::sort(ends.begin(), ends.end());

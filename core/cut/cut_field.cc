@@ -22,10 +22,13 @@ CutField::CutField(std::span<const Eigen::Vector3d> input_vertices, const SplitV
       drawn_(gluing.mate.size(), false),
       leaving_(split.source.size(), kNone),
       degree_(split.source.size(), 0),
-      curvature_(split.source.size(), 0) {
+      curvature_(split.source.size(), 0),
+      cost_(gluing.mate.size(), 0),
+      on_rim_(split.source.size(), false) {
   for (std::uint32_t side = 0; side < gluing.mate.size(); ++side) {
     std::uint32_t& leaving = leaving_[Start(side)];
     if (leaving == kNone || gluing.open(side)) leaving = side;
+    if (gluing.open(side)) on_rim_[Start(side)] = true;
   }
 }
 
@@ -41,7 +44,7 @@ void CutField::Erase(std::uint32_t side) {
   --degree_[Start(side)], --degree_[End(side)];
 }
 
-void CutField::MeasureCurvature(const Chart& chart) {
+void CutField::Measure(const Chart& chart) {
   for (const std::uint32_t v : chart.vertices) curvature_[v] = 2 * std::numbers::pi;
   for (const std::uint32_t t : chart.triangles) {
     const Triangle& c = split_.triangles[t];
@@ -58,14 +61,15 @@ void CutField::MeasureCurvature(const Chart& chart) {
   }
   const double mean = std::max(total, 1.0) / static_cast<double>(chart.vertices.size());
   for (const std::uint32_t v : chart.vertices) curvature_[v] /= mean;
-}
-
-double CutField::Cost(std::uint32_t side) const {
   const auto discount = [this](std::uint32_t v) {
     return 1 / (1 + std::min(curvature_[v], kHigh));
   };
-  const std::uint32_t a = Start(side), b = End(side);
-  return 0.5 * (discount(a) + discount(b)) * (Position(b) - Position(a)).norm();
+  for (const std::uint32_t t : chart.triangles) {
+    for (std::uint32_t side = 3 * t; side < 3 * t + 3; ++side) {
+      const std::uint32_t a = Start(side), b = End(side);
+      cost_[side] = 0.5 * (discount(a) + discount(b)) * (Position(b) - Position(a)).norm();
+    }
+  }
 }
 
 }  // namespace arap

@@ -29,7 +29,7 @@ class CutField {
 
   // Open before anything was drawn.
   bool Rim(std::uint32_t side) const { return gluing_.open(side) && !drawn_[side]; }
-  bool OnRim(std::uint32_t vertex) const { return Rim(leaving_[vertex]); }
+  bool OnRim(std::uint32_t vertex) const { return on_rim_[vertex]; }
   // A side that starts at the vertex; on the rim if there is one.
   std::uint32_t Leaving(std::uint32_t vertex) const { return leaving_[vertex]; }
   bool Drawn(std::uint32_t side) const { return drawn_[side]; }
@@ -38,13 +38,15 @@ class CutField {
   // How many drawn edges end at a vertex.
   std::uint32_t Degree(std::uint32_t vertex) const { return degree_[vertex]; }
 
+  // Has to come before the two that follow, for every chart to be cut. O(F).
+  void Measure(const Chart& chart);
+
   // |2π − the angles around|, 0 on the rim, as a multiple of the mean over the chart. The mean is
   // taken to be at least 1 / #vertices, so that rounding on a flat surface counts for nothing.
   double Curvature(std::uint32_t vertex) const { return curvature_[vertex]; }
-  void MeasureCurvature(const Chart& chart);
 
   // Length of an edge, down to a quarter of it where the curvature is high. 0 and more.
-  double Cost(std::uint32_t side) const;
+  double Cost(std::uint32_t side) const { return cost_[side]; }
 
   // Calls visit(side) for every side that leaves the vertex and is not on the rim.
   template <class Visit>
@@ -70,7 +72,9 @@ class CutField {
   std::vector<bool> drawn_;             // 3·#F
   std::vector<std::uint32_t> leaving_;  // #V
   std::vector<std::uint32_t> degree_;   // #V
-  std::vector<double> curvature_;       // #V, of the charts that were measured
+  std::vector<double> curvature_;       // #V
+  std::vector<double> cost_;            // 3·#F
+  std::vector<bool> on_rim_;            // #V
 };
 
 }  // namespace arap

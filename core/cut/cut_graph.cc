@@ -11,10 +11,12 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kCheckEvery = 1u << 14;
 
-// Ends of the tree on a closed chart: at most this many, and none that lies nearer to the tree than
-// this part of how far the second end lies from the first.
+// Ends of the tree on a closed chart: at most this many, and none that counts less than this part
+// of what the second counted. Enough for every corner of a box.
 constexpr std::size_t kMaxEnds = 8;
-constexpr double kWorthAnEnd = 0.4;
+constexpr double kWorthAnEnd = 0.2;
+// High curvature makes a place count up to this many times its distance more.
+constexpr double kHigh = 3;
 
 }  // namespace
 
@@ -153,24 +155,24 @@ std::uint32_t CutGraph::DrawSecondEdge(std::uint32_t vertex, std::uint32_t back)
   return field_.End(best);
 }
 
-// From the root to the vertex that is farthest, far counting more where the curvature is high, then
-// from there to the next, as long as it is worth it.
+// From the root to the place that is farthest and most curved, then from there to the next, as long
+// as it is worth it.
 Result<std::vector<std::uint32_t>> CutGraph::DrawTree(const Chart& chart) {
   std::vector<std::uint32_t> ends;
-  double second = 0;
   for (const std::uint32_t v : chart.vertices) {
-    if (parent_[v] == kNone) ends.push_back(v);
+    if (parent_[v] == kNone) ends.push_back(v);  // the root
   }
+  double least = 0;
   while (ends.size() < kMaxEnds) {
-    double farthest = -1;
+    double most = -1;
     std::uint32_t end = kNone;
     for (const std::uint32_t v : chart.vertices) {
-      if (distance_[v] < farthest || (distance_[v] == farthest && v > end)) continue;
       if (parent_[v] == kNone) continue;
-      farthest = distance_[v], end = v;
+      const double counts = distance_[v] * (1 + std::min(field_.Curvature(v), kHigh));
+      if (counts > most || (counts == most && v < end)) most = counts, end = v;
     }
-    if (ends.size() == 1) second = farthest;
-    if (end == kNone || farthest < kWorthAnEnd * second) break;
+    if (end == kNone || most < least) break;
+    if (ends.size() == 1) least = kWorthAnEnd * most;
     ends.push_back(end);
     std::vector<std::uint32_t> path{end};
     while (parent_[path.back()] != kNone) path.push_back(field_.Start(parent_[path.back()]));
@@ -179,8 +181,11 @@ Result<std::vector<std::uint32_t>> CutGraph::DrawTree(const Chart& chart) {
       path.push_back(DrawSecondEdge(end, path.back()));
       ends.push_back(path.back());
     }
-    for (const std::uint32_t v : path) Reach(v, 0, kNone);
-    for (const std::uint32_t v : path) parent_[v] = kNone;
+    // What is drawn is the root from now on.
+    for (const std::uint32_t v : path) {
+      Reach(v, 0, kNone);
+      parent_[v] = kNone;
+    }
     if (auto ok = Grow(); !ok) return Fail(std::move(ok.error()));
   }
   return ends;

@@ -23,7 +23,7 @@ class CutGraph {
   CutGraph(CutField& field, const CancelToken& cancel);
 
   // Returns the ends of the tree of a closed chart without handles, which are part of the cut for
-  // their own sake; nothing for others. The curvature must have been measured. O(F log F).
+  // their own sake; nothing for others. The chart must have been measured. O(F log F).
   Result<std::vector<std::uint32_t>> Draw(const Chart& chart);
 
  private:

@@ -15,6 +15,12 @@
 namespace arap {
 namespace {
 
+Fault Advised(Fault fault, const char* advice) {
+  fault.message += "; ";
+  fault.message += advice;
+  return fault;
+}
+
 // The surface on its way: the input triangles, turned as far as known, and what joins them.
 class Cutter {
  public:
@@ -55,7 +61,10 @@ class Cutter {
     Status status;
     ForEachEdge(sides_, [&](std::span<const Side> edge) {
       if (edge.size() < 3 || gluing_.cut[edge[0].index] || !status) return;
-      if (!options_.split_non_manifold) status = Fail(NonManifoldEdgeFault(edge));
+      if (!options_.split_non_manifold) {
+        status = Fail(Advised(NonManifoldEdgeFault(edge),
+                              "make it a seam, or split_non_manifold cuts all such edges apart"));
+      }
       for (const Side& side : edge) crowded.push_back(side.triangle());
       ++split_edges_;
     });
@@ -101,7 +110,8 @@ class Cutter {
     result_.degenerate = DegenerateTriangles(result_.mesh);
     if (result_.degenerate.empty()) return {};
     if (!options_.tolerate_degenerate || !std::isfinite(Diagonal())) {
-      return Fail(DegenerateFault(result_.degenerate));
+      return Fail(Advised(DegenerateFault(result_.degenerate),
+                          "tolerate_degenerate lets them through where the rest has area"));
     }
     AddWarning("degenerate_triangles", result_.degenerate,
                fmt::format("{} triangles have no area", result_.degenerate.size()),
@@ -166,7 +176,7 @@ class Cutter {
     if (!cut) return Fail(cut.error());
     for (const std::uint32_t side : *cut) {
       const auto [low, high] =
-          std::minmax(SideStart(triangles(), side), SideEnd(triangles(), side));
+          std::minmax({SideStart(triangles(), side), SideEnd(triangles(), side)});
       result_.cuts.push_back({low, high});
     }
     result_.auto_cuts = cut->size();
@@ -185,7 +195,7 @@ class Cutter {
     for (const Chart& chart : charts) {
       const auto& all = chart.triangles;
       if (std::all_of(all.begin(), all.end(), [&](std::uint32_t t) { return flat[t]; })) {
-        return Fail(DegenerateFault(all));
+        return Fail(Advised(DegenerateFault(all), "nothing in its component has area"));
       }
     }
     return {};

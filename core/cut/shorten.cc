@@ -8,11 +8,13 @@ namespace arap {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// A crossing has to be cheaper by more than rounding.
+// A crossing has to be cheaper by more than rounding, and a sweep by so much that another is worth
+// it.
 constexpr double kGain = 1e-9;
+constexpr double kSweepGain = 0.01;
 constexpr int kMaxSweeps = 10;
 // Settled vertices and visited sides per vertex of the chart.
-constexpr std::size_t kWork = 32;
+constexpr std::size_t kWork = 8;
 constexpr std::size_t kCheckEvery = 1u << 14;
 
 }  // namespace
@@ -31,11 +33,13 @@ Status CutShortener::Shorten(const Chart& chart, std::span<const std::uint32_t> 
   const std::size_t budget = kWork * (chart.vertices.size() + 64);
   work_ = 0;
   for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
-    bool better = false;
+    double total = 0, gained = 0;
     std::vector<std::uint32_t> drawn;
     for (const std::uint32_t t : chart.triangles) {
       for (std::uint32_t side = 3 * t; side < 3 * t + 3; ++side) {
-        if (field_.Drawn(side) && side < field_.gluing().mate[side]) drawn.push_back(side);
+        if (!field_.Drawn(side) || side > field_.gluing().mate[side]) continue;
+        drawn.push_back(side);
+        total += field_.Cost(side);
       }
     }
     std::vector<std::uint32_t> tried;
@@ -43,9 +47,9 @@ Status CutShortener::Shorten(const Chart& chart, std::span<const std::uint32_t> 
       if (!field_.Drawn(side) || tried_[side]) continue;
       if (work_ > budget) break;
       Stretch stretch = StretchThrough(side);
-      const auto improved = Improve(stretch);
-      if (!improved) return Fail(improved.error());
-      better |= *improved;
+      const auto gain = Improve(stretch);
+      if (!gain) return Fail(gain.error());
+      gained += *gain;
       for (const std::uint32_t s : stretch) {
         const std::uint32_t lower = std::min(s, field_.gluing().mate[s]);
         tried_[lower] = true;
@@ -53,7 +57,7 @@ Status CutShortener::Shorten(const Chart& chart, std::span<const std::uint32_t> 
       }
     }
     for (const std::uint32_t side : tried) tried_[side] = false;
-    if (!better || work_ > budget) break;
+    if (gained <= kSweepGain * total || work_ > budget) break;
   }
   return {};
 }
@@ -84,8 +88,8 @@ CutShortener::Stretch CutShortener::StretchThrough(std::uint32_t side) const {
   return stretch;
 }
 
-// Replaces the stretch by a cheaper one, if there is.
-Result<bool> CutShortener::Improve(Stretch& stretch) {
+// Replaces the stretch by a cheaper one, if there is, and says by how much.
+Result<double> CutShortener::Improve(Stretch& stretch) {
   double cost = 0;
   for (const std::uint32_t side : stretch) {
     cost += field_.Cost(side);
@@ -98,11 +102,10 @@ Result<bool> CutShortener::Improve(Stretch& stretch) {
   const bool found = !crossing->empty();
   if (found) stretch = std::move(*crossing);
   for (const std::uint32_t side : stretch) field_.Draw(side);
-  if (found) {
-    Prune(from);
-    Prune(to);
-  }
-  return found;
+  if (!found) return 0.0;
+  Prune(from);
+  Prune(to);
+  return cost - best_;
 }
 
 // Sews up what hangs loose from `vertex`.

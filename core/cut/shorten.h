@@ -23,7 +23,7 @@ class CutShortener {
   CutShortener(CutField& field, const CancelToken& cancel);
 
   // `chart` is cut to a disk by what is drawn; `ends` are vertices that the cut must go on
-  // reaching. Stops when nothing is gained any more, or when the work has come to a small multiple
+  // reaching. Stops when little is gained any more, or when the work has come to a small multiple
   // of the size of the chart.
   Status Shorten(const Chart& chart, std::span<const std::uint32_t> ends);
 
@@ -36,7 +36,7 @@ class CutShortener {
   bool Free(std::uint32_t vertex) const;
   Stretch StretchThrough(std::uint32_t side) const;
   std::uint32_t Onward(std::uint32_t side) const;
-  Result<bool> Improve(Stretch& stretch);
+  Result<double> Improve(Stretch& stretch);
   std::vector<std::uint32_t> ShoreAt(std::uint32_t leaving);
   Result<Stretch> CheapestCrossing(std::uint32_t leaving, std::uint32_t arriving, double limit);
   void LeaveShore(std::span<const std::uint32_t> shore);
