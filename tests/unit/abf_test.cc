@@ -13,8 +13,9 @@
 
 #include "core/energy/assemble.h"
 #include "core/energy/build_cells.h"
-#include "core/flatten/disk.h"
 #include "core/flatten/distortion.h"
+#include "core/flatten/first_step.h"
+#include "core/flatten/flattener.h"
 #include "core/sparse/factor.h"
 #include "tests/support/compare.h"
 #include "tests/support/meshes.h"
@@ -38,34 +39,29 @@ TriangleAngles PlaneAngles(const Triangle& t, const std::vector<Complex>& p) {
 }
 
 // The first step of a flattening with FACE cells and cotangents, the centre edge held.
-std::vector<Complex> Similar(const SurfaceMesh& mesh, const TriangleFrame& frame) {
-  const Topology topology = Of(mesh);
-  const EnergyOptions options{Basis::kFace, Weights::kCotangent, {}};
-  const auto system = BuildCells(mesh.triangles, topology, options, frame, false);
-  const Edge& edge = topology.edges[CentreEdge(mesh, topology)];
-  std::vector<bool> fixed(mesh.vertices.size(), false);
-  fixed[edge.v0] = fixed[edge.v1] = true;
-  const auto factor =
-      Factor<Complex>::Make(AssembleSimilarity(system->cells, fixed), FactorLayout::kSupernodal);
-  std::vector<Complex> right = SimilarityColumn(system->cells, fixed.size(), edge.v1);
-  const double length = (mesh.vertices[edge.v1] - mesh.vertices[edge.v0]).norm();
-  for (std::size_t v = 0; v < right.size(); ++v) right[v] = fixed[v] ? 0 : -length * right[v];
-  right[edge.v1] = length;
-  Workspace workspace;
-  const auto solution = (*factor)->Solve(right, 1, workspace);
-  return {solution.begin(), solution.end()};
+Flattening FirstStep(const SurfaceMesh& mesh) {
+  FlattenOptions options;
+  options.method = FlattenMethod::kFirstStep;
+  options.anchors = FlattenAnchors::kCentreEdge;
+  return *Flatten(mesh, options);
 }
 
-std::vector<Complex> Lscm(const SurfaceMesh& mesh) {
-  return Similar(mesh, [&](std::uint32_t t) { return LayFlat(mesh, mesh.triangles[t]); });
-}
+std::vector<Complex> Lscm(const SurfaceMesh& mesh) { return FirstStep(mesh).uv; }
 
+// The same with triangles of other angles.
 std::vector<Complex> FromAngles(const SurfaceMesh& mesh,
                                 const std::vector<TriangleAngles>& angles) {
-  return Similar(mesh, [&](std::uint32_t t) {
+  const TriangleFrame frame = [&](std::uint32_t t) {
     const Triangle& c = mesh.triangles[t];
     return FrameOfAngles(angles[t], (mesh.vertices[c[1]] - mesh.vertices[c[0]]).norm());
-  });
+  };
+  const EnergyOptions options{Basis::kFace, Weights::kCotangent, {}};
+  const auto system = BuildCells(mesh.triangles, Of(mesh), options, frame, false);
+  const auto anchors = FirstStep(mesh).charts[0].anchors;
+  const double length = (mesh.vertices[anchors[1]] - mesh.vertices[anchors[0]]).norm();
+  const Held held{{{anchors[0], 0, 0}, {anchors[1], length, 0}}};
+  const std::size_t n = mesh.vertices.size();
+  return *HeldFirstStep(*HeldSystem(system->cells, held, n), held, n);
 }
 
 // Root of the mean squared relative change of corner angles: what angle-based flattening minimises.

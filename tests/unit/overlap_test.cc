@@ -23,7 +23,7 @@ struct Layout {
 
   // A chart of one outline, and holes (clockwise).
   void AddLoop(std::uint32_t chart, const std::vector<Complex>& points) {
-    loops.push_back({chart, {}});
+    loops.push_back({chart, 0, {}});
     for (const Complex p : points) {
       loops.back().vertices.push_back(static_cast<std::uint32_t>(uv.size()));
       uv.push_back(p);
