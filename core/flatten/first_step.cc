@@ -12,6 +12,8 @@ namespace {
 // faster.
 constexpr double kShift = 1e-10;
 constexpr int kMaxSpectralSteps = 60;
+// The boundary (of norm 1) has settled when a step changes it by no more.
+constexpr double kFinest = 1e-10, kRoughest = 1e-3;
 
 // The surface seen along its mean normal, so that it lies upright: a start with the right
 // orientation.
@@ -39,19 +41,28 @@ std::vector<std::uint32_t> Boundary(const SurfaceChart& chart) {
   return boundary;
 }
 
-// right := the boundary part of x, around its mean, with unit norm. False when it has no spread.
-bool Spread(const std::vector<std::uint32_t>& boundary, const std::vector<Complex>& x,
-            std::vector<Complex>& right) {
-  std::fill(right.begin(), right.end(), Complex(0));
+// Moves and scales x so that its boundary has mean 0 and norm 1; `spread` (#V) becomes that
+// boundary, 0 inside. Returns what it was divided by; not positive when there is no spread.
+double Normalise(const std::vector<std::uint32_t>& boundary, std::vector<Complex>& x,
+                 std::vector<Complex>& spread) {
   Complex mean = 0;
   for (const std::uint32_t v : boundary) mean += x[v];
   mean /= static_cast<double>(boundary.size());
   double size = 0;
   for (const std::uint32_t v : boundary) size += std::norm(x[v] - mean);
   size = std::sqrt(size);
-  if (!(size > 0) || !std::isfinite(size)) return false;
-  for (const std::uint32_t v : boundary) right[v] = (x[v] - mean) / size;
-  return true;
+  if (!(size > 0) || !std::isfinite(size)) return 0;
+  for (Complex& p : x) p = (p - mean) / size;
+  std::fill(spread.begin(), spread.end(), Complex(0));
+  for (const std::uint32_t v : boundary) spread[v] = x[v];
+  return size;
+}
+
+// Σ conj(a) b
+Complex Dot(const std::vector<Complex>& a, const std::vector<Complex>& b) {
+  Complex sum = 0;
+  for (std::size_t v = 0; v < a.size(); ++v) sum += std::conj(a[v]) * b[v];
+  return sum;
 }
 
 double Area(const SurfaceChart& chart) {
@@ -98,7 +109,9 @@ Result<GroundedSystem<Complex>> SpectralSystem(const Cells& cells, std::size_t v
   Eigen::SparseMatrix<Complex> matrix = AssembleSimilarity(cells, none);
   const double shift = kShift * matrix.diagonal().real().mean();
   for (Eigen::Index v = 0; v < matrix.rows(); ++v) matrix.coeffRef(v, v) += shift;
-  return GroundedSystem<Complex>::Make(matrix, none, FactorLayout::kSupernodal);
+  auto system = GroundedSystem<Complex>::Make(matrix, none, FactorLayout::kSupernodal);
+  if (system) system->set_raised(shift);
+  return system;
 }
 
 Result<std::vector<Complex>> SpectralFirstStep(const GroundedSystem<Complex>& system,
@@ -107,21 +120,34 @@ Result<std::vector<Complex>> SpectralFirstStep(const GroundedSystem<Complex>& sy
                                                double accuracy, const CancelToken& cancel) {
   const std::size_t n = chart.mesh.vertices.size();
   const std::vector<std::uint32_t> boundary = Boundary(chart);
-  std::vector<Complex> x = Shadow(chart), right(n), last(n);
+  std::vector<Complex> x = Shadow(chart), right(n), spread(n), last;
   Workspace workspace;
-  const Fault no_spread{
-      FaultKind::kNumerical, "the boundary of the first step has no spread", {}, {}, {}};
-  if (!Spread(boundary, x, right)) return Fail(no_spread);
-  for (int step = 0; step < kMaxSpectralSteps; ++step) {
+  const double shift = system.raised(), scale_of_matrix = shift / kShift;
+  // With M = H + shift: x ← M⁻¹ (shift·x + ρ·spread) rests where H x = ρ·spread, whatever the
+  // shift. ρ is the energy of x, for which the start is no guide.
+  double energy = 1, kept = 0;
+  for (int step = 0; step <= kMaxSpectralSteps; ++step) {
+    const double size = Normalise(boundary, x, spread);
+    if (size == 0) {
+      return Fail(FaultKind::kNumerical, "the boundary of the first step has no spread");
+    }
+    if (step > 0) {
+      const double norm = Dot(x, x).real();
+      energy = std::max(0.0, energy / (size * size) - shift * norm);
+      kept = shift;
+      const Complex common = Dot(last, spread);
+      double change = 0;
+      for (const std::uint32_t v : boundary) change += std::norm(spread[v] - common * last[v]);
+      const double distortion = std::sqrt(energy / (scale_of_matrix * norm));
+      const double goal = std::clamp(accuracy * distortion, kFinest, kRoughest);
+      if (change < goal * goal || step == kMaxSpectralSteps) break;
+    }
     if (auto ok = cancel.Check(); !ok) return Fail(std::move(ok.error()));
-    last = right;
+    last = spread;
+    for (std::size_t v = 0; v < n; ++v) right[v] = kept * x[v] + energy * spread[v];
+    const std::vector<Complex> asked = right;
     if (auto ok = system.Solve(right, 1, x, workspace); !ok) return Fail(std::move(ok.error()));
-    if (!Spread(boundary, x, right)) return Fail(no_spread);
-    Complex common = 0;
-    for (const std::uint32_t v : boundary) common += std::conj(last[v]) * right[v];
-    double change = 0;
-    for (const std::uint32_t v : boundary) change += std::norm(right[v] - common * last[v]);
-    if (change < accuracy * accuracy) break;
+    energy = Dot(x, asked).real();  // xᴴ M x
   }
 
   // True area, the centre edge along the real axis. Its direction may be lost in a fold; any will

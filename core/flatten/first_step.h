@@ -24,7 +24,8 @@ Result<GroundedSystem<Complex>> SpectralSystem(const Cells& cells, std::size_t v
 
 // Least similarity energy for a given spread of the boundary, by inverse iteration; then scaled to
 // the true area and laid with the centre edge `anchors` along the real axis, its first end at 0.
-// Iterations end when one changes the boundary (of unit spread) by less than `accuracy`.
+// Iterations end when one changes the boundary by less than `accuracy` of the distortion itself, so
+// that developable surfaces come out exact.
 // [Mullen et al. 2008, spectral conformal parameterization.] Faults: kNumerical, of `cancel`.
 Result<std::vector<Complex>> SpectralFirstStep(const GroundedSystem<Complex>& system,
                                                const SurfaceChart& chart,

@@ -16,9 +16,10 @@
 namespace arap {
 namespace {
 
-// How well the free first step must have settled: as a start for the second it need not be exact.
-constexpr double kRoughly = 1e-3;
-constexpr double kExactly = 1e-8;
+// How well the free first step must have settled, as a part of the distortion: as a start for the
+// second it need not be exact.
+constexpr double kRoughly = 1e-2;
+constexpr double kExactly = 1e-5;
 
 bool AllFinite(const std::vector<Complex>& points) {
   return std::all_of(points.begin(), points.end(),

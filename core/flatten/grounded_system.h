@@ -69,6 +69,9 @@ class GroundedSystem {
   }
 
   const Factor<Scalar>& factor() const { return *factor_; }
+  // By how much the diagonal was raised before factoring, if it was.
+  double raised() const { return raised_; }
+  void set_raised(double raised) { raised_ = raised; }
   std::size_t bytes() const {
     return factor_->bytes() + couplings_.capacity() * sizeof(Coupling) + fixed_.size() / 8;
   }
@@ -78,6 +81,7 @@ class GroundedSystem {
     std::size_t free, held;
     Scalar value;
   };
+  double raised_ = 0;
   std::vector<bool> fixed_;
   std::vector<Coupling> couplings_;
   std::shared_ptr<const Factor<Scalar>> factor_;
