@@ -49,7 +49,7 @@ inline constexpr std::size_t kMaxReportedCrossings = 1000;
 struct FlattenOptions {
   FlattenMethod method = FlattenMethod::kArap;
   EnergyOptions energy{Basis::kFace, Weights::kCotangent, {}};  // rigidity per input triangle
-  FlattenAnchors anchors = FlattenAnchors::kSpectral;
+  FlattenAnchors anchors = FlattenAnchors::kCentreEdge;
   // At most so many local/global iterations with FACE cells and cotangent weights, which descend
   // the energy that is reported; they end when one lowers it by less than `refine_stop` of it.
   int refine = 0;

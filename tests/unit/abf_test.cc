@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <numbers>
-#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,6 +17,7 @@
 #include "core/sparse/factor.h"
 #include "tests/support/compare.h"
 #include "tests/support/meshes.h"
+#include "tests/support/obj.h"
 #include "tests/support/random.h"
 #include "tests/support/surfaces.h"
 
@@ -103,30 +102,6 @@ std::vector<TriangleAngles> Flat(const SurfaceMesh& mesh, int steps = kMaxAngleS
   auto angles = FlatAngles(mesh, Of(mesh), {}, steps);
   if (!angles) ADD_FAILURE() << angles.error().message;
   return angles ? *std::move(angles) : std::vector<TriangleAngles>(mesh.triangles.size());
-}
-
-SurfaceMesh ReadObj(const std::string& file) {
-  std::ifstream in(file);
-  SurfaceMesh mesh;
-  for (std::string line; std::getline(in, line);) {
-    std::istringstream words(line);
-    std::string kind;
-    words >> kind;
-    if (kind == "v") {
-      Eigen::Vector3d p;
-      words >> p[0] >> p[1] >> p[2];
-      mesh.vertices.push_back(p);
-    } else if (kind == "f") {
-      Triangle t{};
-      for (std::uint32_t& v : t) {
-        std::string corner;
-        words >> corner;
-        v = static_cast<std::uint32_t>(std::stoul(corner)) - 1;
-      }
-      mesh.triangles.push_back(t);
-    }
-  }
-  return mesh;
 }
 
 TEST(AbfTest, AFrameHasItsAngles) {

@@ -1,43 +1,17 @@
 // The real surfaces of ARAP_TEST_DATA, good and bad, cut to charts.
 #include <array>
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/obj.h"
 #include "tests/unit/cut_check.h"
 
 namespace arap::testing {
 namespace {
-
-// Vertices and triangles of an OBJ file; what else is in it is passed over.
-SurfaceMesh ReadObj(const std::string& file) {
-  SurfaceMesh mesh;
-  std::ifstream stream(file);
-  EXPECT_TRUE(stream.good()) << file;
-  std::string line, word;
-  while (std::getline(stream, line)) {
-    std::istringstream words(line);
-    words >> word;
-    std::array<std::string, 3> parts;
-    if (word == "v" && words >> parts[0] >> parts[1] >> parts[2]) {
-      mesh.vertices.emplace_back(std::strtod(parts[0].c_str(), nullptr),
-                                 std::strtod(parts[1].c_str(), nullptr),
-                                 std::strtod(parts[2].c_str(), nullptr));
-    } else if (word == "f" && words >> parts[0] >> parts[1] >> parts[2]) {
-      Triangle t{};
-      for (std::size_t k = 0; k < 3; ++k) {
-        t[k] = static_cast<std::uint32_t>(std::strtoul(parts[k].c_str(), nullptr, 10) - 1);
-      }
-      mesh.triangles.push_back(t);
-    }
-  }
-  return mesh;
-}
 
 class CutDataTest : public ::testing::Test {
  protected:

@@ -5,10 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <numbers>
-#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -18,6 +16,7 @@
 #include "core/flatten/upright.h"
 #include "tests/support/compare.h"
 #include "tests/support/meshes.h"
+#include "tests/support/obj.h"
 #include "tests/support/random.h"
 #include "tests/support/surfaces.h"
 #include "tests/unit/injective_fixture.h"
@@ -325,30 +324,6 @@ TEST(InjectiveTest, StopsWhenCancelled) {
   ASSERT_FALSE(layout.has_value());
   EXPECT_EQ(layout.error().kind, FaultKind::kCancelled);
   EXPECT_EQ(asked, 4);
-}
-
-SurfaceMesh ReadObj(const std::filesystem::path& path) {
-  SurfaceMesh mesh;
-  std::ifstream file(path);
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream words(line);
-    std::string kind;
-    words >> kind;
-    if (kind == "v") {
-      Eigen::Vector3d p;
-      words >> p.x() >> p.y() >> p.z();
-      mesh.vertices.push_back(p);
-    } else if (kind == "f") {
-      Triangle t{};
-      for (std::uint32_t& v : t) {
-        std::string corner;
-        words >> corner;
-        v = static_cast<std::uint32_t>(std::stoul(corner) - 1);
-      }
-      mesh.triangles.push_back(t);
-    }
-  }
-  return UnitDiagonal(mesh);
 }
 
 TEST(InjectiveTest, LaysTheDisksOfTheDataFolderOut) {

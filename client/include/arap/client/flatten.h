@@ -22,7 +22,7 @@ enum class FlattenMethod {
 };
 
 enum class FlattenAnchors {
-  kDefault,      // kSpectral
+  kDefault,      // kCenterEdge; kSpectral for kLscm and kAbf
   kCenterEdge,   // the edge nearest to the area centroid, at its true length
   kFarBoundary,  // two boundary vertices far from each other, at their distance in space
   kSpectral,     // none: the least energy for a given spread of the boundary, scaled to the area

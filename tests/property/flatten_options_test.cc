@@ -1,0 +1,359 @@
+// What can be asked of a flattening: pins, grain lines, charts, cuts, left-out triangles, layouts
+// without flips, prepared surfaces.
+#include <cmath>
+#include <numbers>
+
+#include "core/flatten/flattener.h"
+#include "core/flatten/prepared_surface.h"
+#include "tests/property/fixture.h"
+#include "tests/support/compare.h"
+#include "tests/support/surfaces.h"
+
+namespace arap::testing {
+namespace {
+
+FlattenOptions Refined() {
+  FlattenOptions options;
+  options.refine = 20;
+  options.refine_stop = 1e-6;
+  return options;
+}
+
+double SignedArea(const std::array<std::uint32_t, 3>& t, const std::vector<Complex>& uv) {
+  return 0.5 * std::imag(std::conj(uv[t[1]] - uv[t[0]]) * (uv[t[2]] - uv[t[0]]));
+}
+
+// What every answer must keep, whatever was asked.
+void CheckSound(const SurfaceMesh& mesh, const Flattening& flat) {
+  ASSERT_EQ(flat.corner_uv.size(), mesh.triangles.size());
+  ASSERT_EQ(flat.source.size(), flat.uv.size());
+  ASSERT_EQ(flat.singular_values.size(), mesh.triangles.size());
+  ASSERT_GE(flat.uv.size(), mesh.vertices.size());
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) EXPECT_EQ(flat.source[v], v);
+  for (const Complex p : flat.uv) {
+    ASSERT_TRUE(std::isfinite(p.real()) && std::isfinite(p.imag()));
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      ASSERT_EQ(flat.source[flat.corner_uv[t][k]], mesh.triangles[t][k]);
+    }
+  }
+  std::size_t triangles = 0;
+  for (const FlatChart& chart : flat.charts) {
+    triangles += chart.triangles;
+    EXPECT_FALSE(chart.loops.empty());
+  }
+  EXPECT_EQ(triangles, mesh.triangles.size());
+}
+
+std::size_t CountFlips(const Flattening& flat) {
+  std::size_t flips = 0;
+  for (const auto& t : flat.corner_uv) flips += SignedArea(t, flat.uv) < 0 ? 1u : 0u;
+  return flips;
+}
+
+TEST(FlattenOptionsTest, EveryMethodIsExactOnDevelopables) {
+  const Developable made = ConePatch(30, 10, 1, 3, 4.4, 5.9, 3);
+  for (const auto method : {FlattenMethod::kArap, FlattenMethod::kFirstStep, FlattenMethod::kAbf}) {
+    for (const auto anchors :
+         {FlattenAnchors::kCentreEdge, FlattenAnchors::kFarBoundary, FlattenAnchors::kSpectral}) {
+      // Of all anchors the distance of two far vertices is not what it is in the plane: the shape
+      // is exact up to its scale then.
+      FlattenOptions options;
+      options.method = method;
+      options.anchors = anchors;
+      const Flattening flat = Must(Flatten(made.surface, options));
+      CheckSound(made.surface, flat);
+      if (method != FlattenMethod::kArap && anchors == FlattenAnchors::kFarBoundary) continue;
+      EXPECT_LE(RelativeDistanceUpToMotion(flat.uv, made.flat), 1e-8)
+          << static_cast<int>(method) << ' ' << static_cast<int>(anchors);
+      EXPECT_NEAR(flat.distortion.area_ratio, 1, 1e-8);
+    }
+  }
+}
+
+TEST(FlattenOptionsTest, HardPinsAreMetExactly) {
+  const SurfaceMesh cap = SphereCap(8, 20, 1.2);
+  FlattenOptions options = Refined();
+  options.pins = {{3, {10, 20}, 0}, {50, {11, 20.5}, 0}, {120, {10.2, 21}, 0}};
+  const Flattening flat = Must(Flatten(cap, options));
+  CheckSound(cap, flat);
+  for (const UvPin& pin : options.pins) EXPECT_EQ(flat.uv[pin.vertex], pin.uv);
+  EXPECT_TRUE(flat.charts[0].anchors.empty());
+}
+
+// A developable pinned where it would lie anyway stays exact, turned and moved as the pins say.
+TEST(FlattenOptionsTest, PinsPlaceADevelopable) {
+  const Developable made = Accordion(8, 6, 4, 1, 2.4, 2);
+  const Complex turn = std::polar(1.0, 2.1), shift(7, -3);
+  for (const double weight : {0.0, 10.0}) {
+    FlattenOptions options;
+    for (const std::uint32_t v : {0u, 17u, 40u}) {
+      options.pins.push_back({v, turn * made.flat[v] + shift, weight});
+    }
+    const Flattening flat = Must(Flatten(made.surface, options));
+    for (std::size_t v = 0; v < made.flat.size(); ++v) {
+      EXPECT_LE(std::abs(flat.uv[v] - (turn * made.flat[v] + shift)), 1e-8) << weight;
+    }
+  }
+}
+
+TEST(FlattenOptionsTest, SoftPinsPullTheHarderTheHeavier) {
+  const SurfaceMesh cap = SphereCap(8, 20, 1.2);
+  const Flattening free = Must(Flatten(cap, Refined()));
+  double last = 1e300;
+  for (const double weight : {0.1, 1.0, 10.0, 1e6}) {
+    FlattenOptions options = Refined();
+    options.pins = {{3, free.uv[3], weight}, {100, free.uv[100] + Complex(0.5, 0), weight}};
+    const Flattening flat = Must(Flatten(cap, options));
+    const double miss =
+        std::abs(flat.uv[3] - options.pins[0].uv) + std::abs(flat.uv[100] - options.pins[1].uv);
+    EXPECT_LT(miss, last) << weight;
+    last = miss;
+  }
+  EXPECT_LE(last, 1e-4);
+}
+
+TEST(FlattenOptionsTest, OnePinMovesTheLayout) {
+  const SurfaceMesh cap = SphereCap(6, 12, 1.2);
+  const Flattening free = Must(Flatten(cap, Refined()));
+  FlattenOptions options = Refined();
+  options.pins = {{20, {100, 50}, 0}};
+  const Flattening flat = Must(Flatten(cap, options));
+  EXPECT_EQ(flat.uv[20], Complex(100, 50));
+  for (std::size_t v = 0; v < flat.uv.size(); ++v) {
+    EXPECT_LE(std::abs(flat.uv[v] - free.uv[v] - (Complex(100, 50) - free.uv[20])), 1e-9);
+  }
+}
+
+TEST(FlattenOptionsTest, AGrainLineHasItsDirection) {
+  const SurfaceMesh cap = SphereCap(6, 12, 1.2);
+  for (const double angle : {0.0, 0.5 * std::numbers::pi, -2.5}) {
+    FlattenOptions options = Refined();
+    options.grain_lines = {{5, 40, angle}};
+    const Flattening flat = Must(Flatten(cap, options));
+    const Complex along = flat.uv[40] - flat.uv[5];
+    EXPECT_LE(std::abs(along / std::abs(along) - std::polar(1.0, angle)), 1e-12);
+  }
+}
+
+TEST(FlattenOptionsTest, WrongPinsAndGrainLinesAreNamed) {
+  const SurfaceMesh cap = SphereCap(6, 12, 1.2);
+  const auto fault = [&](std::vector<UvPin> pins, std::vector<GrainLine> lines) {
+    FlattenOptions options;
+    options.pins = std::move(pins);
+    options.grain_lines = std::move(lines);
+    const auto flat = Flatten(cap, options);
+    EXPECT_FALSE(flat.has_value());
+    return flat ? Fault{} : flat.error();
+  };
+  const double nan = std::nan("");
+  EXPECT_EQ(fault({{9999, 0, 0}}, {}).kind, FaultKind::kIndexOutOfRange);
+  EXPECT_EQ(fault({{9999, 0, 0}}, {}).field, "pins[0].vertex");
+  EXPECT_EQ(fault({{1, 0, 0}, {2, {nan, 0}, 0}}, {}).field, "pins[1]");
+  EXPECT_EQ(fault({{1, 0, -1}}, {}).field, "pins[0].weight");
+  EXPECT_EQ(fault({{1, 0, 2e9}}, {}).field, "pins[0].weight");
+  EXPECT_EQ(fault({{1, 0, 0}, {1, 1, 0}}, {}).field, "pins[1].vertex");
+  EXPECT_EQ(fault({{1, 3, 0}, {2, 3, 0}}, {}).kind, FaultKind::kInvalidOption);
+  EXPECT_EQ(fault({}, {{1, 1, 0}}).field, "grain_lines[0]");
+  EXPECT_EQ(fault({}, {{1, 9999, 0}}).field, "grain_lines[0].to_vertex");
+  EXPECT_EQ(fault({}, {{1, 2, nan}}).field, "grain_lines[0]");
+  EXPECT_EQ(fault({}, {{1, 2, 0}, {3, 4, 0}}).field, "grain_lines[1]");
+  EXPECT_EQ(fault({{1, 0, 0}, {2, 1, 0}}, {{3, 4, 0}}).field, "grain_lines[0]");
+}
+
+TEST(FlattenOptionsTest, ComponentsLieSideBySideAtTrueSize) {
+  const Developable roll = RolledSheet(20, 8, 10, 4, 1.5, 1),
+                    patch = ConePatch(20, 8, 1, 3, 4, 5, 3);
+  const SurfaceMesh both = Together(roll.surface, patch.surface, {20, 0, 0});
+  const Flattening flat = Must(Flatten(both, Refined()));
+  CheckSound(both, flat);
+  ASSERT_EQ(flat.charts.size(), 2u);
+  EXPECT_FALSE(flat.overlaps);
+  EXPECT_NEAR(flat.distortion.area_ratio, 1, 1e-8);
+  EXPECT_LE(flat.distortion.max_stretch_percent, 1e-6);
+  const std::vector<Complex> first(flat.uv.begin(),
+                                   flat.uv.begin() + static_cast<long>(roll.flat.size()));
+  EXPECT_LE(RelativeDistanceUpToMotion(first, roll.flat), 1e-8);
+}
+
+TEST(FlattenOptionsTest, ClosedSurfacesNeedACut) {
+  const SurfaceMesh ball = Sphere(12, 16);
+  const auto refused = Flatten(ball, {});
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().kind, FaultKind::kNotADisk);
+  FlattenOptions options = Refined();
+  options.cut.auto_cut = true;
+  const Flattening flat = Must(Flatten(ball, options));
+  CheckSound(ball, flat);
+  EXPECT_GT(flat.auto_cuts, 0u);
+  EXPECT_EQ(flat.charts[0].loops.size(), 1u);
+  EXPECT_EQ(CountFlips(flat), flat.distortion.flipped);
+}
+
+TEST(FlattenOptionsTest, LayoutsWithoutFlipsOnRequest) {
+  const SurfaceMesh ball = SphereCap(20, 30, 2.8);
+  FlattenOptions options;
+  options.method = FlattenMethod::kFirstStep;
+  options.anchors = FlattenAnchors::kCentreEdge;
+  ASSERT_GT(Must(Flatten(ball, options)).distortion.flipped, 0u);  // else there is nothing to show
+  options.injective = true;
+  const Flattening flat = Must(Flatten(ball, options));
+  CheckSound(ball, flat);
+  EXPECT_EQ(flat.distortion.flipped, 0u);
+  for (const auto& t : flat.corner_uv) EXPECT_GT(SignedArea(t, flat.uv), 0);
+}
+
+// Pins that turn a triangle over leave no such layout.
+TEST(FlattenOptionsTest, AnImpossibleLayoutIsRefused) {
+  const SurfaceMesh cap = SphereCap(6, 12, 1.0);
+  const Triangle& t = cap.triangles[30];
+  FlattenOptions options;
+  options.injective = true;
+  options.pins = {{t[0], {0, 0}, 0}, {t[1], {0, 0.1}, 0}, {t[2], {0.1, 0}, 0}};
+  const auto flat = Flatten(cap, options);
+  ASSERT_FALSE(flat.has_value());
+  EXPECT_EQ(flat.error().kind, FaultKind::kNotInjective);
+}
+
+// A sheet with an extra vertex on an edge, closed by a triangle without area.
+SurfaceMesh SheetWithSliver() {
+  SurfaceMesh mesh = Accordion(6, 4, 3, 2, 1.0, 5).surface;
+  const Triangle t = mesh.triangles[9];
+  const auto middle = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.push_back(0.5 * (mesh.vertices[t[0]] + mesh.vertices[t[1]]));
+  mesh.triangles[9] = {t[0], middle, t[2]};
+  mesh.triangles.push_back({middle, t[1], t[2]});
+  mesh.triangles.push_back({t[0], t[1], middle});
+  return mesh;
+}
+
+TEST(FlattenOptionsTest, TrianglesWithoutAreaAreLeftOutOnRequest) {
+  const SurfaceMesh mesh = SheetWithSliver();
+  const auto refused = Flatten(mesh, {});
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().kind, FaultKind::kDegenerateTriangle);
+  EXPECT_EQ(refused.error().elements,
+            std::vector<std::uint32_t>{static_cast<std::uint32_t>(mesh.triangles.size() - 1)});
+  for (const Basis basis : {Basis::kFace, Basis::kEdge}) {
+    for (const Weights weights : {Weights::kCotangent, Weights::kUniform}) {
+      FlattenOptions options = Refined();
+      options.energy = {basis, weights, {}};
+      options.cut.tolerate_degenerate = true;
+      const Flattening flat = Must(Flatten(mesh, options));
+      CheckSound(mesh, flat);
+      EXPECT_EQ(flat.degenerate.size(), 1u);
+      EXPECT_EQ(flat.singular_values.back(), (std::array<double, 2>{0, 0}));
+      EXPECT_EQ(flat.distortion.flipped, 0u);
+      EXPECT_LE(flat.distortion.max_stretch_percent, 1e-2);
+      EXPECT_LE(flat.distortion.max_compression_percent, 1e-2);
+    }
+  }
+}
+
+// One triangle, and a strip without inner vertices: exact, whatever the method.
+TEST(FlattenOptionsTest, SmallMeshesAreExact) {
+  SurfaceMesh one;
+  one.vertices = {{0, 0, 0}, {1, 0, 1}, {0, 2, 1}};
+  one.triangles = {{0, 1, 2}};
+  SurfaceMesh strip = one;
+  strip.vertices.emplace_back(3, 1, 0);
+  strip.vertices.emplace_back(2, 4, 2);
+  strip.triangles.push_back({2, 1, 3});
+  strip.triangles.push_back({2, 3, 4});
+  for (const SurfaceMesh& mesh : {one, strip}) {
+    for (const auto method :
+         {FlattenMethod::kArap, FlattenMethod::kFirstStep, FlattenMethod::kAbf}) {
+      for (const auto anchors : {FlattenAnchors::kCentreEdge, FlattenAnchors::kSpectral}) {
+        FlattenOptions options;
+        options.method = method;
+        options.anchors = anchors;
+        options.injective = true;
+        options.refine = 5;
+        const Flattening flat = Must(Flatten(mesh, options));
+        CheckSound(mesh, flat);
+        EXPECT_LE(flat.distortion.arap_energy, 1e-16) << static_cast<int>(method);
+      }
+    }
+  }
+}
+
+// Cut along a seam, the band lies flat; across it the two copies keep their input vertex.
+TEST(FlattenOptionsTest, SeamsOpenABand) {
+  SurfaceMesh band;
+  constexpr std::uint32_t kAround = 24, kAcross = 4;
+  for (std::uint32_t i = 0; i < kAround; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kAround;
+    for (std::uint32_t j = 0; j <= kAcross; ++j) {
+      band.vertices.emplace_back(std::cos(angle), std::sin(angle), 0.3 * j);
+    }
+  }
+  const auto at = [](std::uint32_t i, std::uint32_t j) {
+    return (i % kAround) * (kAcross + 1) + j;
+  };
+  for (std::uint32_t i = 0; i < kAround; ++i) {
+    for (std::uint32_t j = 0; j < kAcross; ++j) {
+      band.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      band.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  }
+  FlattenOptions options = Refined();
+  for (std::uint32_t j = 0; j < kAcross; ++j) options.cut.seams.push_back({at(0, j), at(0, j + 1)});
+  const Flattening flat = Must(Flatten(band, options));
+  CheckSound(band, flat);
+  EXPECT_EQ(flat.uv.size(), band.vertices.size() + kAcross + 1);
+  EXPECT_EQ(flat.cuts.size(), kAcross);
+  EXPECT_LE(flat.distortion.max_stretch_percent, 1e-6);  // a developable again
+}
+
+// The second time nothing is factored, the answer is the same, and other pins start from the same
+// charts.
+TEST(FlattenOptionsTest, PreparedSurfacesAnswerAlike) {
+  const SurfaceMesh cap = SphereCap(8, 20, 1.2);
+  const auto prepared = Must(Prepare(cap, {}));
+  EXPECT_GT(prepared->bytes(), 0u);
+  FlattenOptions options = Refined();
+  const Flattening alone = Must(Flatten(cap, options));
+  const Flattening first = Must(Flatten(*prepared, options));
+  const std::size_t bytes = prepared->bytes();
+  const Flattening second = Must(Flatten(*prepared, options));
+  EXPECT_EQ(prepared->bytes(), bytes);
+  EXPECT_EQ(first.uv, alone.uv);
+  EXPECT_EQ(second.uv, alone.uv);
+  options.pins = {{3, {0, 0}, 0}, {100, {1, 0}, 0}};
+  const Flattening pinned = Must(Flatten(*prepared, options));
+  EXPECT_EQ(pinned.uv, Must(Flatten(cap, options)).uv);
+  EXPECT_GT(prepared->bytes(), bytes);
+  const std::size_t more = prepared->bytes();
+  options.pins[1].uv = {1.1, 0.2};  // the same vertices elsewhere: the same factors
+  EXPECT_EQ(Must(Flatten(*prepared, options)).uv, Must(Flatten(cap, options)).uv);
+  EXPECT_EQ(prepared->bytes(), more);
+}
+
+TEST(FlattenOptionsTest, CancellationReachesTheLoops) {
+  const SurfaceMesh cap = SphereCap(12, 30, 1.4);
+  int asked = 0;
+  const CancelToken count([&]() -> Status {
+    ++asked;
+    return {};
+  });
+  FlattenOptions options;
+  options.refine = 200;
+  ASSERT_TRUE(Flatten(cap, options, count).has_value());
+  const int total = asked;
+  ASSERT_GT(total, 200);
+  for (const int when : {1, total / 2, total}) {
+    asked = 0;
+    const CancelToken stop([&]() -> Status {
+      if (++asked < when) return {};
+      return Fail(FaultKind::kCancelled, "enough");
+    });
+    const auto flat = Flatten(cap, options, stop);
+    ASSERT_FALSE(flat.has_value());
+    EXPECT_EQ(flat.error().kind, FaultKind::kCancelled);
+    EXPECT_EQ(asked, when);
+  }
+}
+
+}  // namespace
+}  // namespace arap::testing
