@@ -111,10 +111,19 @@ class ChartFlattener {
     return key;
   }
 
+  template <class Scalar>
+  Result<GroundedSystem<Scalar>> Timed(Result<GroundedSystem<Scalar>> made) {
+    if (!made) return made;
+    const FactorTimes& times = made->factor().times();
+    layout_.factor_times.analysis += times.analysis;
+    layout_.factor_times.numbers += times.numbers;
+    return made;
+  }
+
   Status FirstStep() {
     const bool spectral = held_.empty();
     auto system = factors_.Get<Complex>(Key(spectral ? "free" : "held", held_, false), [&] {
-      return spectral ? SpectralSystem(cells_, n()) : HeldSystem(cells_, held_, n());
+      return Timed(spectral ? SpectralSystem(cells_, n()) : HeldSystem(cells_, held_, n()));
     });
     if (!system) return Fail(std::move(system.error()));
     const auto order = (*system)->factor().order();
@@ -159,7 +168,7 @@ class ChartFlattener {
 
   Result<int> Take(const Held& held, const LocalGlobalOptions& steps, bool face) {
     auto system = factors_.Get<double>(Key("rigid", held, face), [&] {
-      return RigidSystem(cells_, held, centre_[0], n(), order_);
+      return Timed(RigidSystem(cells_, held, centre_[0], n(), order_));
     });
     if (!system) return Fail(std::move(system.error()));
     return LocalGlobal(cells_, held, **system, steps, cancel_, layout_.uv);

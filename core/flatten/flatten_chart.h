@@ -7,6 +7,7 @@
 #include "core/flatten/flattener.h"
 #include "core/flatten/pins.h"
 #include "core/flatten/surface_chart.h"
+#include "core/sparse/factor.h"
 
 namespace arap {
 
@@ -15,7 +16,8 @@ struct ChartLayout {
   std::vector<Complex> first_step, uv;  // #V
   std::vector<std::uint32_t> anchors;   // of the chart; two or none
   int refinements = 0;
-  std::size_t clamped = 0;  // edges whose cotangent was raised
+  std::size_t clamped = 0;   // edges whose cotangent was raised
+  FactorTimes factor_times;  // of the factors made, added up
 };
 
 // `energy` is that of the options with the rigidity of the chart's own triangles. `name` tells the

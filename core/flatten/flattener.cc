@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/stopwatch.h"
 #include "core/energy/build_cells.h"
 #include "core/flatten/flatten_chart.h"
 #include "core/flatten/overlap.h"
@@ -70,6 +71,8 @@ class Assembly {
     made.triangles = chart.triangles.size();
     made.refinements = layout.refinements;
     clamped_ += layout.clamped;
+    flat_.times.order += layout.factor_times.analysis;
+    flat_.times.factor += layout.factor_times.numbers;
   }
 
   Flattening Finish(std::span<const ChartWishes> wishes) {
@@ -144,6 +147,7 @@ class Assembly {
 
 Result<Flattening> Flatten(const PreparedSurface& surface, const FlattenOptions& options,
                            const CancelToken& cancel) {
+  Stopwatch watch;
   if (auto ok = CheckOptions(options, surface.surface().mesh.triangles.size()); !ok) {
     return Fail(std::move(ok.error()));
   }
@@ -159,7 +163,9 @@ Result<Flattening> Flatten(const PreparedSurface& surface, const FlattenOptions&
     if (!layout) return Fail(std::move(layout.error()));
     assembly.Add(chart, *std::move(layout));
   }
-  return assembly.Finish(*wishes);
+  Flattening flat = assembly.Finish(*wishes);
+  flat.times.solve = watch.Lap() - flat.times.order - flat.times.factor;
+  return flat;
 }
 
 Result<Flattening> Flatten(SurfaceMesh mesh, const FlattenOptions& options,
@@ -167,11 +173,16 @@ Result<Flattening> Flatten(SurfaceMesh mesh, const FlattenOptions& options,
   if (auto ok = CheckOptions(options, mesh.triangles.size()); !ok) {
     return Fail(std::move(ok.error()));
   }
+  Stopwatch watch;
   const std::size_t vertices = mesh.vertices.size();
   auto surface = CutToCharts(std::move(mesh), options.cut, cancel);
   if (!surface) return Fail(std::move(surface.error()));
   // Nobody asks again: the factors go as soon as they were used.
-  return Flatten(PreparedSurface(*std::move(surface), vertices, 0), options, cancel);
+  const PreparedSurface prepared(*std::move(surface), vertices, 0);
+  const double topology = watch.Lap();
+  auto flat = Flatten(prepared, options, cancel);
+  if (flat) flat->times.topology = topology;
+  return flat;
 }
 
 }  // namespace arap

@@ -70,6 +70,16 @@ struct FlatChart {
   int refinements = 0;        // iterations taken
 };
 
+// Where the time went: processor time of the calling thread, milliseconds.
+struct FlattenTimes {
+  double topology = 0;  // checks, cuts and charts; 0 for a surface that was prepared before
+  double order = 0;     // fill-reducing orders
+  double factor = 0;    // factorisations; a factor that was kept costs nothing here nor above
+  double solve = 0;     // all the rest
+
+  double total() const { return topology + order + factor + solve; }
+};
+
 struct Flattening {
   std::vector<Complex> uv;                              // #U; true to size
   std::vector<std::uint32_t> source;                    // #U, input vertices; the first #V in order
@@ -85,6 +95,7 @@ struct Flattening {
   std::size_t auto_cuts = 0;                       // how many of `cuts`, at the end, are automatic
   std::vector<std::uint32_t> degenerate;           // triangles left out
   std::vector<Warning> warnings;
+  FlattenTimes times;
 };
 
 // Stateless, thread-safe. Faults: those of CutToCharts and CheckEnergyOptions, kInvalidOption (pins

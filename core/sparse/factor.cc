@@ -6,6 +6,8 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include "core/base/stopwatch.h"
+
 namespace arap {
 namespace {
 
@@ -139,6 +141,7 @@ template <class Scalar>
 Result<std::unique_ptr<Factor<Scalar>>> Factor<Scalar>::Analyse(
     const Eigen::SparseMatrix<Scalar>& lower, FactorLayout layout, std::span<const int> order) {
   UseOneBlasThread();
+  Stopwatch watch;
   auto data = std::make_unique<FactorData>();
   cholmod_common* common = data->common.get();
   common->supernodal = layout == FactorLayout::kSupernodal ? CHOLMOD_AUTO : CHOLMOD_SIMPLICIAL;
@@ -153,14 +156,18 @@ Result<std::unique_ptr<Factor<Scalar>>> Factor<Scalar>::Analyse(
     return Fail(FaultKind::kNumerical,
                 fmt::format("analysing {} unknowns: {}", lower.rows(), StatusText(common->status)));
   }
-  return std::unique_ptr<Factor>(new Factor(std::move(data)));
+  std::unique_ptr<Factor> factor(new Factor(std::move(data)));
+  factor->times_.analysis = watch.Lap();
+  return factor;
 }
 
 template <class Scalar>
 Status Factor<Scalar>::Again(const Eigen::SparseMatrix<Scalar>& lower) {
+  Stopwatch watch;
   cholmod_common* common = data_->common.get();
   cholmod_sparse matrix = View(lower);
   cholmod_factorize(&matrix, data_->factor, common);
+  times_.numbers = watch.Lap();
   if (common->status != CHOLMOD_OK ||
       data_->factor->minor != static_cast<std::size_t>(lower.rows()) ||
       !HasPositivePivots(*data_->factor)) {

@@ -23,6 +23,12 @@ enum class FactorLayout { kSupernodal, kSimplicial };
 
 class FactorData;
 
+// Milliseconds of processor time that a factor took.
+struct FactorTimes {
+  double analysis = 0;  // order and fill
+  double numbers = 0;   // the last Again
+};
+
 // Scratch of one thread's solves. Not thread-safe. May serve factors of different sizes and types
 // in turn; memory is allocated when a solve is larger than those before.
 class Workspace {
@@ -69,10 +75,12 @@ class Factor {
   std::size_t size() const;
   std::span<const int> order() const;
   std::size_t bytes() const;
+  const FactorTimes& times() const { return times_; }
 
  private:
   explicit Factor(std::unique_ptr<FactorData> data);
   std::unique_ptr<FactorData> data_;
+  FactorTimes times_;
 };
 
 }  // namespace arap
