@@ -30,9 +30,13 @@ Status CheckBoundaries(const Topology& topology) {
                     "mesh.triangles"});
 }
 
-std::vector<TriangleAngles> AnglesOf(const SurfaceMesh& mesh) {
+std::vector<TriangleAngles> AnglesOf(const SurfaceMesh& mesh, const std::vector<bool>& left_out) {
   std::vector<TriangleAngles> angles(mesh.triangles.size());
   for (std::size_t t = 0; t < angles.size(); ++t) {
+    if (!left_out.empty() && left_out[t]) {
+      angles[t].fill(std::numbers::pi / 3);
+      continue;
+    }
     for (std::size_t k = 0; k < 3; ++k) {
       const Eigen::Vector3d& p = mesh.vertices[mesh.triangles[t][k]];
       const Eigen::Vector3d a = mesh.vertices[mesh.triangles[t][(k + 1) % 3]] - p;
@@ -66,7 +70,8 @@ AngleResidual ResidualOf(const std::vector<Triangle>& triangles, const Topology&
 }
 
 Result<std::vector<TriangleAngles>> FlatAngles(const SurfaceMesh& mesh, const Topology& topology,
-                                               const CancelToken& cancel, int steps) {
+                                               const CancelToken& cancel, int steps,
+                                               const std::vector<bool>& left_out) {
   if (steps < 1 || steps > kMaxAngleSteps) {
     return Fail(Fault{FaultKind::kInvalidOption,
                       fmt::format("steps is {}; it must be 1 to {}", steps, kMaxAngleSteps),
@@ -75,8 +80,8 @@ Result<std::vector<TriangleAngles>> FlatAngles(const SurfaceMesh& mesh, const To
                       "steps"});
   }
   if (auto ok = CheckBoundaries(topology); !ok) return Fail(std::move(ok.error()));
-  AngleSystem system(mesh.triangles, topology);
-  std::vector<TriangleAngles> angles = system.Target(AnglesOf(mesh));
+  AngleSystem system(mesh.triangles, topology, left_out);
+  std::vector<TriangleAngles> angles = system.Target(AnglesOf(mesh, left_out));
   if (system.interior() == 0) return angles;
   std::vector<TriangleAngles> best;
   double least = std::numeric_limits<double>::infinity();

@@ -40,6 +40,9 @@ AngleResidual ResidualOf(const std::vector<Triangle>& triangles, const Topology&
 // the surface are first scaled to sum to 2π around each interior vertex; a corner that this would
 // open beyond a straight angle is clamped.
 //
+// Triangles in `left_out` (#F or empty) have no angles of their own: they get equal ones, and
+// around their corners nothing has to fit.
+//
 // `steps` is 1 for the linearised method and more for Newton steps, which end early when the angles
 // fit. A step that would turn a corner inside out is shortened in that triangle, and the corner
 // gives way less in later steps. When the steps end without success (a surface crumpled so that
@@ -51,7 +54,8 @@ AngleResidual ResidualOf(const std::vector<Triangle>& triangles, const Topology&
 // answers between the steps.
 Result<std::vector<TriangleAngles>> FlatAngles(const SurfaceMesh& mesh, const Topology& topology,
                                                const CancelToken& cancel = {},
-                                               int steps = kMaxAngleSteps);
+                                               int steps = kMaxAngleSteps,
+                                               const std::vector<bool>& left_out = {});
 
 // A triangle with these angles (positive, summing to π): the first corner at 0, the second at
 // `length` on the positive real axis, the third above.

@@ -23,13 +23,16 @@ Eigen::Vector3d Centroid(const SurfaceMesh& mesh) {
   return centroid / area;
 }
 
-std::uint32_t FarthestOnBoundary(const SurfaceChart& chart, const Eigen::Vector3d& from) {
-  std::uint32_t best = chart.loops.front().front();
-  double farthest = -1;
+// Other than `not_this`.
+std::uint32_t FarthestOnBoundary(const SurfaceChart& chart, const Eigen::Vector3d& from,
+                                 std::uint32_t not_this) {
+  std::uint32_t best = kNone;
+  double farthest = 0;
   for (const auto& loop : chart.loops) {
     for (const std::uint32_t v : loop) {
       const double distance = (chart.mesh.vertices[v] - from).squaredNorm();
-      if (distance > farthest + kTie) best = v, farthest = distance;
+      if (v == not_this) continue;
+      if (best == kNone || distance > farthest * (1 + kTie)) best = v, farthest = distance;
     }
   }
   return best;
@@ -53,8 +56,8 @@ std::array<std::uint32_t, 2> CentreEdge(const SurfaceChart& chart) {
 }
 
 std::array<std::uint32_t, 2> FarBoundaryPair(const SurfaceChart& chart) {
-  const std::uint32_t a = FarthestOnBoundary(chart, Centroid(chart.mesh));
-  return {a, FarthestOnBoundary(chart, chart.mesh.vertices[a])};
+  const std::uint32_t a = FarthestOnBoundary(chart, Centroid(chart.mesh), kNone);
+  return {a, FarthestOnBoundary(chart, chart.mesh.vertices[a], a)};
 }
 
 Held HoldAtDistance(const SurfaceChart& chart, const std::array<std::uint32_t, 2>& anchors) {

@@ -19,7 +19,9 @@ constexpr double kMaxStepToEnd = 0.9;
 constexpr double kStiffen = 0.25;
 
 // Interior vertices numbered in order, kNone elsewhere. A joint of several pieces has no one wheel.
-std::vector<std::uint32_t> InteriorNumbers(const Topology& topology, std::size_t& count) {
+std::vector<std::uint32_t> InteriorNumbers(const Topology& topology,
+                                           const std::vector<Triangle>& triangles,
+                                           const std::vector<bool>& left_out, std::size_t& count) {
   std::vector<std::uint32_t> number(topology.vertex_component.size(), 0);
   for (std::size_t v = 0; v < number.size(); ++v) {
     if (topology.vertex_component[v] == kNone) number[v] = kNone;
@@ -28,6 +30,10 @@ std::vector<std::uint32_t> InteriorNumbers(const Topology& topology, std::size_t
     if (edge.boundary()) number[edge.v0] = number[edge.v1] = kNone;
   }
   for (const std::uint32_t v : topology.joints) number[v] = kNone;
+  for (std::size_t t = 0; t < left_out.size(); ++t) {
+    if (!left_out[t]) continue;
+    for (const std::uint32_t v : triangles[t]) number[v] = kNone;
+  }
   std::uint32_t next = 0;
   for (std::uint32_t& n : number) {
     if (n != kNone) n = next++;
@@ -65,8 +71,9 @@ struct AngleSystem::Local {
   Eigen::Vector3d to_target;         // to the best angles that sum to π in this triangle
 };
 
-AngleSystem::AngleSystem(const std::vector<Triangle>& triangles, const Topology& topology)
-    : triangles_(triangles), interior_(InteriorNumbers(topology, count_)) {}
+AngleSystem::AngleSystem(const std::vector<Triangle>& triangles, const Topology& topology,
+                         const std::vector<bool>& left_out)
+    : triangles_(triangles), interior_(InteriorNumbers(topology, triangles, left_out, count_)) {}
 
 template <class Visit>
 void AngleSystem::ForEachCorner(Visit visit) const {

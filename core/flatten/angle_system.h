@@ -23,7 +23,9 @@ namespace arap {
 // Keeps references to the triangles. Not thread-safe.
 class AngleSystem {
  public:
-  AngleSystem(const std::vector<Triangle>& triangles, const Topology& topology);
+  // Around the corners of triangles in `left_out` (#F or empty) nothing has to fit.
+  AngleSystem(const std::vector<Triangle>& triangles, const Topology& topology,
+              const std::vector<bool>& left_out = {});
 
   // Interior vertices; without any, there is nothing to solve.
   std::size_t interior() const { return count_; }

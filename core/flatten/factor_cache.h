@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -61,6 +62,7 @@ class FactorCache {
   void Put(Shelf<Scalar>& shelf, const std::string& key,
            std::shared_ptr<const GroundedSystem<Scalar>> system) {
     const std::scoped_lock lock(mutex_);
+    if (shelf.contains(key)) return;
     if (shelf.size() >= capacity_) {
       auto oldest = shelf.begin();
       for (auto at = shelf.begin(); at != shelf.end(); ++at) {

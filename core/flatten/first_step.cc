@@ -1,5 +1,6 @@
 #include "core/flatten/first_step.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/energy/assemble.h"

@@ -83,12 +83,15 @@ class ChartFlattener {
   Status MakeCells() {
     Result<CellSystem> system = [&]() -> Result<CellSystem> {
       if (options_.method != FlattenMethod::kAbf) return chart_.Cells(energy_);
-      auto angles = FlatAngles(chart_.mesh, chart_.topology, cancel_);
+      auto angles =
+          FlatAngles(chart_.mesh, chart_.topology, cancel_, kMaxAngleSteps, chart_.left_out);
       if (!angles) return Fail(std::move(angles.error()));
       std::vector<std::array<Complex, 3>> frames;
       frames.reserve(angles->size());
       for (std::size_t t = 0; t < angles->size(); ++t) {
-        frames.push_back(FrameOfAngles((*angles)[t], chart_.frames[t][1].real()));
+        const bool left_out = !chart_.left_out.empty() && chart_.left_out[t];
+        frames.push_back(left_out ? chart_.frames[t]
+                                  : FrameOfAngles((*angles)[t], chart_.frames[t][1].real()));
       }
       return chart_.Cells({Basis::kFace, Weights::kCotangent, energy_.rigidity}, frames);
     }();
@@ -122,7 +125,8 @@ class ChartFlattener {
 
   Status FirstStep() {
     const bool spectral = held_.empty();
-    auto system = factors_.Get<Complex>(Key(spectral ? "free" : "held", held_, false), [&] {
+    first_key_ = Key(spectral ? "free" : "held", held_, false);
+    auto system = factors_.Get<Complex>(first_key_, [&] {
       return Timed(spectral ? SpectralSystem(cells_, n()) : HeldSystem(cells_, held_, n()));
     });
     if (!system) return Fail(std::move(system.error()));
@@ -148,7 +152,7 @@ class ChartFlattener {
     // The second step of FACE cells with cotangents is the first refinement.
     const bool merged = second && IsFaceCotangent(energy_);
     if (second && !merged) {
-      if (auto taken = Take(held, {1, 0, false}, false); !taken) {
+      if (auto taken = Take(held, {1, false, 0}, false); !taken) {
         return Fail(std::move(taken.error()));
       }
     }
@@ -160,22 +164,24 @@ class ChartFlattener {
       cells_ = std::move(face->cells);
     }
     const double stop = options_.refine > 0 ? options_.refine_stop : 0;
-    auto taken = Take(held, {steps, stop, options_.refine > 0}, true);
+    auto taken = Take(held, {steps, options_.refine > 0, stop}, true);
     if (!taken) return Fail(std::move(taken.error()));
     layout_.refinements = std::max(0, *taken - (merged ? 1 : 0));
     return {};
   }
 
   Result<int> Take(const Held& held, const LocalGlobalOptions& steps, bool face) {
-    auto system = factors_.Get<double>(Key("rigid", held, face), [&] {
-      return Timed(RigidSystem(cells_, held, centre_[0], n(), order_));
-    });
+    // The order of elimination is that of the first step, and rounding follows the order.
+    std::string key = Key("rigid", held, face);
+    if (!key.empty()) key += "|" + first_key_;
+    auto system = factors_.Get<double>(
+        key, [&] { return Timed(RigidSystem(cells_, held, centre_[0], n(), order_)); });
     if (!system) return Fail(std::move(system.error()));
     return LocalGlobal(cells_, held, **system, steps, cancel_, layout_.uv);
   }
 
   Status MakeInjective() {
-    if (NotUpright(chart_.mesh.triangles, layout_.uv, chart_.left_out).empty()) return {};
+    if (IsInjective()) return {};
     InjectiveOptions options;
     options.left_out = chart_.left_out;
     if (pins_) {
@@ -188,6 +194,15 @@ class ChartFlattener {
     if (!layout) return Fail(std::move(layout.error()));
     layout_.uv = std::move(layout->uv);
     return {};
+  }
+
+  bool IsInjective() const {
+    if (!NotUpright(chart_.mesh.triangles, layout_.uv, chart_.left_out).empty()) return false;
+    std::vector<bool> boundary(n());
+    for (const auto& loop : chart_.loops) {
+      for (const std::uint32_t v : loop) boundary[v] = true;
+    }
+    return WoundTwice(chart_.mesh.triangles, layout_.uv, boundary, chart_.left_out).empty();
   }
 
   // Into the units of the input, and to where a grain line and a single pin want it.
@@ -222,6 +237,7 @@ class ChartFlattener {
   bool pins_ = false;
   Complex origin_ = 0;
   Cells cells_;
+  std::string first_key_;
   std::vector<int> order_;
   ChartLayout layout_;
 };

@@ -12,6 +12,7 @@
 #include "core/flatten/pins.h"
 #include "core/flatten/placement.h"
 #include "core/flatten/prepared_surface.h"
+#include "core/flatten/upright.h"
 
 namespace arap {
 namespace {
@@ -75,11 +76,19 @@ class Assembly {
     flat_.times.factor += layout.factor_times.numbers;
   }
 
-  Flattening Finish(std::span<const ChartWishes> wishes) {
+  Result<Flattening> Finish(std::span<const ChartWishes> wishes, bool injective,
+                            const CancelToken& cancel) {
     PlaceCharts(wishes, chart_of_, flat_.uv, flat_.first_step);
+    if (injective) {
+      if (auto ok = CheckUpright(); !ok) return Fail(std::move(ok.error()));
+    }
     Corners();
+    if (auto ok = cancel.Check(); !ok) return Fail(std::move(ok.error()));
     Measure();
-    FindOverlaps();
+    if (!std::isfinite(flat_.distortion.arap_energy)) {
+      return Fail(FaultKind::kNumerical, "the distortion of the flat shape is not finite");
+    }
+    if (auto ok = FindOverlaps(cancel); !ok) return Fail(std::move(ok.error()));
     const CutSurface& cut = surface_.surface();
     flat_.cuts = cut.cuts;
     flat_.auto_cuts = cut.auto_cuts;
@@ -90,6 +99,22 @@ class Assembly {
   }
 
  private:
+  // Once more where the charts ended up: their new coordinates are rounded anew.
+  Status CheckUpright() const {
+    std::vector<bool> left_out(flat_.triangle_chart.size());
+    for (const std::uint32_t t : surface_.surface().degenerate) left_out[t] = true;
+    const auto flipped = NotUpright(surface_.surface().mesh.triangles, flat_.uv, left_out);
+    if (flipped.empty()) return {};
+    Fault fault{
+        FaultKind::kNotInjective,
+        fmt::format("{} triangles collapse when the layout is put into its place", flipped.size()),
+        {},
+        {},
+        "injective"};
+    for (const std::uint32_t t : flipped) fault.Element(t);
+    return Fail(std::move(fault));
+  }
+
   void Corners() {
     const CutSurface& cut = surface_.surface();
     for (std::size_t t = 0; t < cut.mesh.triangles.size(); ++t) {
@@ -109,8 +134,10 @@ class Assembly {
         const std::uint32_t id = chart.triangles[t];
         if (!chart.left_out.empty() && chart.left_out[t]) continue;
         std::array<Complex, 3> image;
+        const Complex corner = flat_.uv[chart.vertices[chart.mesh.triangles[t][0]]];
         for (std::size_t k = 0; k < 3; ++k) {
-          image[k] = flat_.uv[chart.vertices[chart.mesh.triangles[t][k]]] / chart.diagonal;
+          const Complex p = flat_.uv[chart.vertices[chart.mesh.triangles[t][k]]];
+          image[k] = (p - corner) / chart.diagonal;
         }
         const double unit = chart.diagonal * chart.diagonal;
         const TriangleDistortion measured = MeasureTriangle(chart.frames[t], image);
@@ -123,18 +150,22 @@ class Assembly {
     flat_.distortion = whole.Mean();
   }
 
-  void FindOverlaps() {
+  Status FindOverlaps(const CancelToken& cancel) {
     std::vector<BoundaryLoop> all;
     for (std::size_t c = 0; c < flat_.charts.size(); ++c) {
       std::vector<BoundaryLoop> own;
       for (const auto& loop : flat_.charts[c].loops) {
         own.push_back({static_cast<std::uint32_t>(c), 0, loop});
       }
-      flat_.charts[c].crossings =
-          std::min<std::size_t>(FindOverlap(flat_.uv, own).crossings, kMaxReportedCrossings);
+      const auto overlap = FindOverlap(flat_.uv, own, cancel);
+      if (!overlap) return Fail(overlap.error());
+      flat_.charts[c].crossings = std::min<std::size_t>(overlap->crossings, kMaxReportedCrossings);
       all.insert(all.end(), own.begin(), own.end());
     }
-    flat_.overlaps = FindOverlap(flat_.uv, all).any();
+    const auto overlap = FindOverlap(flat_.uv, all, cancel);
+    if (!overlap) return Fail(overlap.error());
+    flat_.overlaps = overlap->any();
+    return {};
   }
 
   const PreparedSurface& surface_;
@@ -163,8 +194,8 @@ Result<Flattening> Flatten(const PreparedSurface& surface, const FlattenOptions&
     if (!layout) return Fail(std::move(layout.error()));
     assembly.Add(chart, *std::move(layout));
   }
-  Flattening flat = assembly.Finish(*wishes);
-  flat.times.solve = watch.Lap() - flat.times.order - flat.times.factor;
+  auto flat = assembly.Finish(*wishes, options.injective, cancel);
+  if (flat) flat->times.solve = watch.Lap() - flat->times.order - flat->times.factor;
   return flat;
 }
 

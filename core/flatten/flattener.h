@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "core/base/cancel.h"
@@ -29,11 +28,12 @@ enum class FlattenAnchors {
   kSpectral,     // none: least energy for a given spread of the boundary, scaled to the true area
 };
 
-// A vertex (all its copies) held at `uv`, in the units of the input. Weight 0: exactly.
+// A vertex held at `uv`, in the units of the input; where a cut doubles it, the first copy on each
+// chart. A pin that is alone on its chart is met whatever its weight.
 struct UvPin {
   std::uint32_t vertex = 0;
-  Complex uv;
-  double weight = 0;  // on the squared distance, up to kMaxPinWeight
+  Complex uv;         // at most kMaxPinDistance diagonals of the largest chart from 0
+  double weight = 0;  // 0: exactly; else on the squared distance, kMinPinWeight…kMaxPinWeight
 };
 
 // The direction from one vertex to another of the same chart, radians from the u axis.
@@ -44,6 +44,8 @@ struct GrainLine {
 
 inline constexpr int kMaxFlattenRefine = 1000;
 inline constexpr double kMaxPinWeight = 1e9;
+inline constexpr double kMinPinWeight = 1e-9;
+inline constexpr double kMaxPinDistance = 1e6;
 inline constexpr std::size_t kMaxReportedCrossings = 1000;
 
 struct FlattenOptions {
@@ -63,7 +65,7 @@ struct FlattenOptions {
 // One connected piece of the layout. Indices are into Flattening::uv.
 struct FlatChart {
   std::vector<std::vector<std::uint32_t>> loops;  // ordered boundaries, the longest first
-  std::vector<std::uint32_t> anchors;             // two, or none with pins or kSpectral
+  std::vector<std::uint32_t> anchors;             // two, or none with several pins or kSpectral
   std::size_t triangles = 0;
   Distortion distortion;
   std::size_t crossings = 0;  // pairs of boundary segments that cross, counted up to a cap

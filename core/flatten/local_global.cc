@@ -1,5 +1,7 @@
 #include "core/flatten/local_global.h"
 
+#include <algorithm>
+
 #include "core/energy/assemble.h"
 #include "core/energy/local_step.h"
 #include "core/flatten/anderson.h"
@@ -60,15 +62,10 @@ bool Settled(double before, double after, double stop) {
 Result<int> Plain(Step& step, const LocalGlobalOptions& options, const CancelToken& cancel,
                   std::vector<double>& point) {
   std::vector<double> image;
-  double energy = options.stop > 0 ? step.Energy(point) : 0;
   for (int taken = 0; taken < options.iterations; ++taken) {
     if (auto ok = cancel.Check(); !ok) return Fail(std::move(ok.error()));
     if (auto ok = step.Take(point, image); !ok) return Fail(std::move(ok.error()));
     point.swap(image);
-    if (options.stop == 0) continue;
-    const double before = energy;
-    energy = step.Energy(point);
-    if (Settled(before, energy, options.stop)) return taken + 1;
   }
   return options.iterations;
 }

@@ -14,11 +14,11 @@ namespace arap {
 
 struct LocalGlobalOptions {
   int iterations = 1;
-  // Ends when an iteration lowers the energy by less than this part of it; 0: never.
-  double stop = 0;
   // Anderson acceleration. Only for cells whose steps descend (FACE): a step that does not is taken
   // back.
   bool accelerate = false;
+  // Accelerated iterations end when one lowers the energy by less than this part of it; 0: never.
+  double stop = 0;
 };
 
 // The matrix of the rigid step, factored. Vertices in `held` are kept; without any, `still` is.

@@ -115,11 +115,17 @@ class Boundary {
   std::vector<Outline> outlines_;
 };
 
-void CountCrossings(const Boundary& boundary, Overlap& overlap) {
+// How often `cancel` is asked.
+constexpr std::uint32_t kAskEvery = 256;
+
+Status CountCrossings(const Boundary& boundary, const CancelToken& cancel, Overlap& overlap) {
   const std::vector<Segment>& segments = boundary.segments();
   const SegmentTree tree(segments);
   std::vector<std::uint32_t> crossed;
   for (std::uint32_t a = 0; a < segments.size() && overlap.crossings < kMaxCrossings; ++a) {
+    if (a % kAskEvery == 0) {
+      if (auto ok = cancel.Check(); !ok) return ok;
+    }
     crossed.clear();
     tree.VisitAfter(a, [&](std::uint32_t b) {
       if (SegmentsCross(segments[a], segments[b]) && !boundary.Adjacent(a, b)) crossed.push_back(b);
@@ -132,13 +138,17 @@ void CountCrossings(const Boundary& boundary, Overlap& overlap) {
     }
     overlap.crossings = std::min(kMaxCrossings, overlap.crossings + crossed.size());
   }
+  return {};
 }
 
 // Sums of windings of other loops around a point of each: 0 of every other chart, and of its own
 // chart 0 for an outline and 1 for a hole. Loops that cross are already known to overlap, and make
 // this no less true.
-void CountMisplaced(const Boundary& boundary, Overlap& overlap) {
+Status CountMisplaced(const Boundary& boundary, const CancelToken& cancel, Overlap& overlap) {
   for (const Outline& loop : boundary.outlines()) {
+    if (loop.loop % kAskEvery == 0) {
+      if (auto ok = cancel.Check(); !ok) return ok;
+    }
     const Complex point = boundary.segments()[loop.begin].from;
     const Box box{point, point};
     int own = 0;
@@ -163,15 +173,17 @@ void CountMisplaced(const Boundary& boundary, Overlap& overlap) {
     if (!misplaced) continue;
     if (overlap.misplaced_loops++ == 0) overlap.first_misplaced = loop.loop;
   }
+  return {};
 }
 
 }  // namespace
 
-Overlap FindOverlap(std::span<const Complex> uv, std::span<const BoundaryLoop> loops) {
+Result<Overlap> FindOverlap(std::span<const Complex> uv, std::span<const BoundaryLoop> loops,
+                            const CancelToken& cancel) {
   const Boundary boundary(uv, loops);
   Overlap overlap;
-  CountCrossings(boundary, overlap);
-  CountMisplaced(boundary, overlap);
+  if (auto ok = CountCrossings(boundary, cancel, overlap); !ok) return Fail(std::move(ok.error()));
+  if (auto ok = CountMisplaced(boundary, cancel, overlap); !ok) return Fail(std::move(ok.error()));
   return overlap;
 }
 

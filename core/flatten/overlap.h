@@ -11,6 +11,8 @@
 #include <span>
 #include <vector>
 
+#include "core/base/cancel.h"
+#include "core/base/result.h"
 #include "core/cut/boundary_loops.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/topology.h"
@@ -44,6 +46,7 @@ struct Overlap {
 // component is the chart. `uv` must be finite. Loops of fewer than three vertices are left out. O(n
 // log n + pairs of segments whose bounding boxes meet) for n boundary segments, and O(loops · n) at
 // worst for loops whose bounding boxes lie in one another. Deterministic, thread-safe.
-Overlap FindOverlap(std::span<const Complex> uv, std::span<const BoundaryLoop> loops);
+Result<Overlap> FindOverlap(std::span<const Complex> uv, std::span<const BoundaryLoop> loops,
+                            const CancelToken& cancel = {});
 
 }  // namespace arap

@@ -1,6 +1,10 @@
 #include "core/flatten/pins.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -28,6 +32,10 @@ class Finder {
       if (auto ok = AddPin(i); !ok) return Fail(std::move(ok.error()));
     }
     if (auto ok = CheckSpread(); !ok) return Fail(std::move(ok.error()));
+    for (ChartWishes& wishes : wishes_) {
+      std::sort(wishes.pins.begin(), wishes.pins.end(),
+                [](const HeldVertex& a, const HeldVertex& b) { return a.vertex < b.vertex; });
+    }
     for (std::size_t i = 0; i < options_.grain_lines.size(); ++i) {
       if (auto ok = AddGrainLine(i); !ok) return Fail(std::move(ok.error()));
     }
@@ -59,10 +67,20 @@ class Finder {
                           fmt::format("the place of pins[{}] is not finite", i))
                         .Element(pin.vertex));
       }
-      if (!(pin.weight >= 0 && pin.weight <= kMaxPinWeight)) {
+      const double farthest = kMaxPinDistance * Largest();
+      if (std::abs(pin.uv) > farthest) {
+        return Fail(
+            Wrong(FaultKind::kInvalidOption, "pins", i, "",
+                  fmt::format("pins[{}] is {:g} away from 0; at most {:g} times the size of "
+                              "the surface is allowed",
+                              i, std::abs(pin.uv), kMaxPinDistance))
+                .Element(pin.vertex)
+                .Detail("limit", fmt::format("{:g}", farthest)));
+      }
+      if (pin.weight != 0 && !(pin.weight >= kMinPinWeight && pin.weight <= kMaxPinWeight)) {
         return Fail(Wrong(FaultKind::kInvalidOption, "pins", i, ".weight",
-                          fmt::format("the weight of pins[{}] is {}; it must be 0 to {:g}", i,
-                                      pin.weight, kMaxPinWeight))
+                          fmt::format("the weight of pins[{}] is {}; it must be 0 or {:g} to {:g}",
+                                      i, pin.weight, kMinPinWeight, kMaxPinWeight))
                         .Element(pin.vertex)
                         .Detail("limit", fmt::format("{:g}", kMaxPinWeight)));
       }
@@ -76,7 +94,16 @@ class Finder {
     return {};
   }
 
-  // The places of the vertices that are named, by input vertex.
+  // Diagonal of the largest chart.
+  double Largest() const {
+    double largest = 0;
+    for (const SurfaceChart& chart : surface_.charts()) {
+      largest = std::max(largest, chart.diagonal);
+    }
+    return largest;
+  }
+
+  // The places of the vertices that are named, by input vertex, chart and copy.
   void FindPlaces() {
     std::vector<bool> named(surface_.input_vertices());
     for (const UvPin& pin : options_.pins) named[pin.vertex] = true;
@@ -92,20 +119,33 @@ class Finder {
         if (named[input]) places_.push_back({input, c, v});
       }
     }
+    std::stable_sort(places_.begin(), places_.end(),
+                     [](const Place& a, const Place& b) { return a.input < b.input; });
+  }
+
+  std::span<const Place> PlacesOf(std::uint32_t input) const {
+    const auto less = [](const Place& a, std::uint32_t b) { return a.input < b; };
+    const auto first = std::lower_bound(places_.begin(), places_.end(), input, less);
+    auto last = first;
+    while (last != places_.end() && last->input == input) ++last;
+    return {first, last};
   }
 
   Status AddPin(std::size_t i) {
     const UvPin& pin = options_.pins[i];
-    bool found = false;
-    for (const Place& place : places_) {
-      if (place.input != pin.vertex) continue;
-      found = true;
+    const auto places = PlacesOf(pin.vertex);
+    if (places.empty()) {
+      return Fail(Wrong(FaultKind::kInvalidOption, "pins", i, ".vertex",
+                        fmt::format("vertex {} is in no triangle and cannot be pinned", pin.vertex))
+                      .Element(pin.vertex));
+    }
+    std::uint32_t last = kNone;
+    for (const Place& place : places) {
+      if (place.chart == last) continue;  // another copy across a cut
+      last = place.chart;
       wishes_[place.chart].pins.push_back({place.vertex, pin.uv, pin.weight});
     }
-    if (found) return {};
-    return Fail(Wrong(FaultKind::kInvalidOption, "pins", i, ".vertex",
-                      fmt::format("vertex {} is in no triangle and cannot be pinned", pin.vertex))
-                    .Element(pin.vertex));
+    return {};
   }
 
   // Several pins on one spot would shrink the layout to a point.
@@ -141,18 +181,49 @@ class Finder {
       return wrong(fmt::format("the angle of grain_lines[{}] is not finite", i));
     }
     if (line.from == line.to) return wrong("a grain line needs two vertices");
-    for (const Place& from : places_) {
-      if (from.input != line.from) continue;
-      for (const Place& to : places_) {
-        if (to.input != line.to || to.chart != from.chart) continue;
-        ChartWishes& wishes = wishes_[from.chart];
-        if (wishes.grain) return wrong("a chart has two grain lines");
-        if (wishes.pinned()) return wrong("a chart has a grain line and several pins");
-        wishes.grain = {from.vertex, to.vertex, line.angle};
-        return {};
+    bool shared = false;
+    for (std::uint32_t c = 0; c < wishes_.size(); ++c) {
+      const auto ends = NearestEnds(c, line);
+      if (!ends) continue;
+      shared = true;
+      if (wishes_[c].grain || wishes_[c].pinned()) continue;
+      wishes_[c].grain = {(*ends)[0], (*ends)[1], line.angle};
+      return {};
+    }
+    return wrong(
+        shared ? fmt::format("the chart of grain_lines[{}] has one already, or several pins", i)
+               : fmt::format("vertices {} and {} are on no common chart", line.from, line.to));
+  }
+
+  // The copies of the ends on one chart; along a cut those that are the fewest steps apart on the
+  // boundary, which are on one side of it.
+  std::optional<std::array<std::uint32_t, 2>> NearestEnds(std::uint32_t chart,
+                                                          const GrainLine& line) const {
+    std::optional<std::array<std::uint32_t, 2>> best;
+    std::size_t least = 0;
+    for (const Place& from : PlacesOf(line.from)) {
+      if (from.chart != chart) continue;
+      for (const Place& to : PlacesOf(line.to)) {
+        if (to.chart != chart) continue;
+        const std::size_t steps = BoundarySteps(surface_.charts()[chart], from.vertex, to.vertex);
+        if (best && steps >= least) continue;
+        best = {from.vertex, to.vertex};
+        least = steps;
       }
     }
-    return wrong(fmt::format("vertices {} and {} are on no common chart", line.from, line.to));
+    return best;
+  }
+
+  // Steps between two vertices on one boundary loop, the shorter way; very many when they are not.
+  static std::size_t BoundarySteps(const SurfaceChart& chart, std::uint32_t a, std::uint32_t b) {
+    for (const auto& loop : chart.loops) {
+      const auto at_a = std::find(loop.begin(), loop.end(), a);
+      const auto at_b = std::find(loop.begin(), loop.end(), b);
+      if (at_a == loop.end() || at_b == loop.end()) continue;
+      const auto apart = static_cast<std::size_t>(std::abs(at_a - at_b));
+      return std::min(apart, loop.size() - apart);
+    }
+    return std::numeric_limits<std::size_t>::max();
   }
 
   const PreparedSurface& surface_;

@@ -13,7 +13,7 @@ namespace arap {
 
 // What is wanted of one chart.
 struct ChartWishes {
-  // Pins in units of the input. Two and more fix the layout; a single one only moves it.
+  // Pins in units of the input, by vertex. Two and more fix the layout; a single one only moves it.
   std::vector<HeldVertex> pins;
   struct Direction {
     std::uint32_t from = 0, to = 0;  // of the chart
@@ -24,10 +24,12 @@ struct ChartWishes {
   bool pinned() const { return pins.size() > 1; }
 };
 
-// One for every chart. A vertex that a cut doubled is pinned in all its copies. Faults:
-// kIndexOutOfRange, kInvalidOption (not finite, a weight out of range, a vertex pinned twice or in
-// no triangle, several pins at one place, a grain line between charts, two on one chart or on one
-// that pins fix); fields "pins[i]…" and "grain_lines[i]…".
+// One for every chart. Of a vertex that a cut doubled, the first copy on each chart is pinned; a
+// grain line along a cut keeps to one side of it, and to the first chart that has none yet. Faults:
+// kIndexOutOfRange, kInvalidOption (not finite or farther away than kMaxPinDistance diagonals, a
+// weight out of range, a vertex pinned twice or in no triangle, several pins at one place, a grain
+// line between charts or on charts that have one or that pins fix); fields "pins[i]…" and
+// "grain_lines[i]…".
 Result<std::vector<ChartWishes>> FindWishes(const PreparedSurface& surface,
                                             const FlattenOptions& options);
 

@@ -6,17 +6,6 @@
 #include "core/flatten/pack.h"
 
 namespace arap {
-namespace {
-
-void Turn(std::span<const std::uint32_t> chart, std::uint32_t which, Complex turn,
-          std::vector<Complex>& points) {
-  for (std::size_t v = 0; v < chart.size(); ++v) {
-    if (chart[v] == which) points[v] *= turn;
-  }
-}
-
-}  // namespace
-
 void PlaceCharts(std::span<const ChartWishes> wishes, std::span<const std::uint32_t> chart,
                  std::vector<Complex>& uv, std::vector<Complex>& first_step) {
   if (wishes.size() < 2) return;
@@ -26,21 +15,25 @@ void PlaceCharts(std::span<const ChartWishes> wishes, std::span<const std::uint3
   }
   // Pinned charts keep their place and the sheet of the others begins right of them.
   double right = -std::numeric_limits<double>::infinity(), low = 0;
-  std::vector<std::uint32_t> free(chart.begin(), chart.end());
+  std::vector<Complex> turns(wishes.size(), 1);
   std::size_t free_charts = 0;
   for (std::uint32_t c = 0; c < wishes.size(); ++c) {
     if (wishes[c].pins.empty()) {
       ++free_charts;
       if (wishes[c].grain) continue;
-      const Complex turn = UprightTurn(std::move(points[c]));
-      Turn(chart, c, turn, uv);
-      Turn(chart, c, turn, first_step);
+      turns[c] = UprightTurn(std::move(points[c]));
       continue;
     }
     for (const Complex p : points[c]) {
       if (p.real() > right) right = p.real(), low = p.imag();
     }
-    std::replace(free.begin(), free.end(), c, kNone);
+  }
+  std::vector<std::uint32_t> free(chart.size(), kNone);
+  for (std::size_t v = 0; v < chart.size(); ++v) {
+    if (chart[v] == kNone || !wishes[chart[v]].pins.empty()) continue;
+    free[v] = chart[v];
+    uv[v] *= turns[chart[v]];
+    first_step[v] *= turns[chart[v]];
   }
   const auto motions = PackCharts(uv, free, {.gap = 0.05, .rotate = false});
   for (std::size_t v = 0; v < free.size(); ++v) {

@@ -24,7 +24,7 @@ PreparedSurface::PreparedSurface(CutSurface surface, std::size_t input_vertices,
     : surface_(std::move(surface)),
       input_vertices_(input_vertices),
       charts_(MakeCharts(surface_)),
-      factors_(kept_factors) {
+      factors_(kept_factors * charts_.size()) {
   // The charts have what is needed of these.
   surface_.topology = {};
   surface_.mesh.vertices = {};

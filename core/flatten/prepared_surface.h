@@ -15,8 +15,9 @@
 namespace arap {
 
 // Immutable but for the factors that it keeps; thread-safe. What is kept: the charts, and the
-// factors of the last few kinds of flattening. The same method, weights and pinned vertices ask for
-// no factorisation, wherever the pins are; other ones for a new one.
+// factors of the last few kinds of flattening. The same method, weights, anchors and pinned
+// vertices ask for no factorisation, wherever the pins are; other ones for a new one. Rigidity and
+// the angles of ABF are not kept.
 class PreparedSurface {
  public:
   PreparedSurface(CutSurface surface, std::size_t input_vertices, std::size_t kept_factors);
@@ -35,7 +36,7 @@ class PreparedSurface {
   mutable FactorCache factors_;
 };
 
-// Factors kept by Prepare, of each step.
+// Factors kept by Prepare, of each step and chart.
 inline constexpr std::size_t kKeptFactors = 8;
 
 // Faults: those of CutToCharts.

@@ -1,5 +1,6 @@
 // What can be asked of a flattening: pins, grain lines, charts, cuts, left-out triangles, layouts
 // without flips, prepared surfaces.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -236,10 +237,13 @@ TEST(FlattenOptionsTest, TrianglesWithoutAreaAreLeftOutOnRequest) {
   EXPECT_EQ(refused.error().elements,
             std::vector<std::uint32_t>{static_cast<std::uint32_t>(mesh.triangles.size() - 1)});
   for (const Basis basis : {Basis::kFace, Basis::kEdge}) {
-    for (const Weights weights : {Weights::kCotangent, Weights::kUniform}) {
+    for (const auto& [weights, method] : {std::pair{Weights::kCotangent, FlattenMethod::kArap},
+                                          std::pair{Weights::kUniform, FlattenMethod::kArap},
+                                          std::pair{Weights::kCotangent, FlattenMethod::kAbf}}) {
       FlattenOptions options = Refined();
       options.energy = {basis, weights, {}};
       options.cut.tolerate_degenerate = true;
+      options.method = method;
       const Flattening flat = Must(Flatten(mesh, options));
       CheckSound(mesh, flat);
       EXPECT_EQ(flat.degenerate.size(), 1u);
@@ -278,10 +282,11 @@ TEST(FlattenOptionsTest, SmallMeshesAreExact) {
   }
 }
 
-// Cut along a seam, the band lies flat; across it the two copies keep their input vertex.
-TEST(FlattenOptionsTest, SeamsOpenABand) {
+constexpr std::uint32_t kAround = 24, kAcross = 4;
+
+// A closed band and the seam that opens it.
+std::pair<SurfaceMesh, CutOptions> Band() {
   SurfaceMesh band;
-  constexpr std::uint32_t kAround = 24, kAcross = 4;
   for (std::uint32_t i = 0; i < kAround; ++i) {
     const double angle = 2 * std::numbers::pi * i / kAround;
     for (std::uint32_t j = 0; j <= kAcross; ++j) {
@@ -297,8 +302,42 @@ TEST(FlattenOptionsTest, SeamsOpenABand) {
       band.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
     }
   }
+  CutOptions cut;
+  for (std::uint32_t j = 0; j < kAcross; ++j) cut.seams.push_back({at(0, j), at(0, j + 1)});
+  return {band, cut};
+}
+
+// Pins and grain lines on the seam keep to one side of it.
+TEST(FlattenOptionsTest, WishesOnASeamKeepToOneSide) {
+  auto [band, cut] = Band();
+  for (const std::size_t turn : {0u, 50u, 97u}) {
+    std::rotate(band.triangles.begin(), band.triangles.begin() + static_cast<long>(turn),
+                band.triangles.end());
+    FlattenOptions options = Refined();
+    options.cut = cut;
+    options.grain_lines = {{0, kAcross, 0.3}};
+    Flattening flat = Must(Flatten(band, options));
+    // The seam is straight and its two copies are parallel: whichever it was, a side has the angle.
+    for (const auto& t : flat.corner_uv) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+        if (flat.source[a] != 0 || flat.source[b] != 1) continue;
+        EXPECT_NEAR(std::arg(flat.uv[b] - flat.uv[a]), 0.3, 1e-9) << turn;
+      }
+    }
+    options.grain_lines.clear();
+    options.pins = {{0, {5, 5}, 0}};
+    flat = Must(Flatten(band, options));
+    EXPECT_EQ(flat.uv[0], Complex(5, 5));
+    EXPECT_LE(flat.distortion.max_stretch_percent, 1e-6);
+  }
+}
+
+// Cut along a seam, the band lies flat; across it the two copies keep their input vertex.
+TEST(FlattenOptionsTest, SeamsOpenABand) {
+  const auto [band, cut] = Band();
   FlattenOptions options = Refined();
-  for (std::uint32_t j = 0; j < kAcross; ++j) options.cut.seams.push_back({at(0, j), at(0, j + 1)});
+  options.cut = cut;
   const Flattening flat = Must(Flatten(band, options));
   CheckSound(band, flat);
   EXPECT_EQ(flat.uv.size(), band.vertices.size() + kAcross + 1);
@@ -328,6 +367,108 @@ TEST(FlattenOptionsTest, PreparedSurfacesAnswerAlike) {
   options.pins[1].uv = {1.1, 0.2};  // the same vertices elsewhere: the same factors
   EXPECT_EQ(Must(Flatten(*prepared, options)).uv, Must(Flatten(cap, options)).uv);
   EXPECT_EQ(prepared->bytes(), more);
+}
+
+// What was asked before leaves no trace, not in the last bit: the order of elimination is that of
+// the first step, and rounding follows it.
+TEST(FlattenOptionsTest, PreparedSurfacesForgetWhatWasAsked) {
+  const SurfaceMesh cap = SphereCap(8, 20, 1.2);
+  const auto prepared = Must(Prepare(cap, {}));
+  std::vector<FlattenOptions> asked;
+  for (const auto anchors :
+       {FlattenAnchors::kSpectral, FlattenAnchors::kFarBoundary, FlattenAnchors::kCentreEdge}) {
+    for (const Basis basis : {Basis::kEdge, Basis::kEdgeAsPublished, Basis::kFace}) {
+      for (const Weights weights : {Weights::kUniform, Weights::kCotangent}) {
+        for (const auto method :
+             {FlattenMethod::kArap, FlattenMethod::kFirstStep, FlattenMethod::kAbf}) {
+          FlattenOptions& options = asked.emplace_back(Refined());
+          options.method = method;
+          options.energy = {basis, weights, {}};
+          options.anchors = anchors;
+        }
+      }
+    }
+  }
+  for (int round = 0; round < 2; ++round) {
+    for (const FlattenOptions& options : asked) {
+      EXPECT_EQ(Must(Flatten(*prepared, options)).uv, Must(Flatten(cap, options)).uv);
+    }
+  }
+}
+
+TEST(FlattenOptionsTest, ManyChartsKeepTheirFactors) {
+  SurfaceMesh many = SphereCap(3, 6, 1.0);
+  for (int i = 1; i < 12; ++i) many = Together(many, SphereCap(3, 6, 1.0), {3.0 * i, 0, 0});
+  const auto prepared = Must(Prepare(many, {}));
+  const Flattening first = Must(Flatten(*prepared, Refined()));
+  const std::size_t bytes = prepared->bytes();
+  const Flattening second = Must(Flatten(*prepared, Refined()));
+  EXPECT_EQ(first.uv, second.uv);
+  EXPECT_EQ(prepared->bytes(), bytes);
+  EXPECT_EQ(second.times.order, 0);
+  EXPECT_EQ(second.times.factor, 0);
+  EXPECT_FALSE(first.overlaps);
+}
+
+// Far pins would round the layout away; a wound vertex is no layout without flips.
+TEST(FlattenOptionsTest, FarPinsAreRefused) {
+  const SurfaceMesh both = Together(SphereCap(3, 6, 1.0), SphereCap(3, 6, 1.0), {5, 0, 0});
+  FlattenOptions options;
+  options.pins = {{1, {1e7, 0}, 0}};
+  const auto far = Flatten(both, options);
+  ASSERT_FALSE(far.has_value());
+  EXPECT_EQ(far.error().field, "pins[0]");
+  options.pins = {{1, {1e5, 0}, 0}};
+  const Flattening flat = Must(Flatten(both, options));
+  EXPECT_EQ(flat.uv[1], Complex(1e5, 0));
+  EXPECT_EQ(flat.distortion.flipped, 0u);
+  EXPECT_FALSE(flat.overlaps);
+}
+
+// Twelve upright triangles round one vertex, which they wind round twice.
+TEST(FlattenOptionsTest, AVertexWoundTwiceIsNotInjective) {
+  SurfaceMesh cone;
+  cone.vertices.emplace_back(0, 0, 0);
+  for (std::uint32_t k = 0; k < 12; ++k) {
+    const double angle = 2 * std::numbers::pi * k / 12;
+    // Heights to and fro, so that the twelve sides have the length of the arms.
+    cone.vertices.emplace_back(std::cos(angle), std::sin(angle), k % 2 == 0 ? 0.9 : -0.9);
+    cone.triangles.push_back({0, k + 1, (k + 1) % 12 + 1});
+  }
+  FlattenOptions options = Refined();
+  options.injective = true;
+  const Flattening flat = Must(Flatten(cone, options));
+  double around = 0;
+  for (const auto& t : flat.corner_uv) {
+    EXPECT_GT(SignedArea(t, flat.uv), 0);
+    around += std::arg((flat.uv[t[2]] - flat.uv[t[0]]) / (flat.uv[t[1]] - flat.uv[t[0]]));
+  }
+  EXPECT_NEAR(around, 2 * std::numbers::pi, 1e-9);
+}
+
+// The farthest two vertices of a tiny hole are two.
+TEST(FlattenOptionsTest, FarBoundaryVerticesAreTwo) {
+  SurfaceMesh ball = Sphere(12, 16);
+  // A hole far smaller than the rounding of squared distances: a triangle's middle taken out.
+  const Triangle t = ball.triangles[100];
+  const Eigen::Vector3d a = ball.vertices[t[0]], b = ball.vertices[t[1]], c = ball.vertices[t[2]];
+  const Eigen::Vector3d middle = (a + b + c) / 3;
+  const auto first = static_cast<std::uint32_t>(ball.vertices.size());
+  for (const Eigen::Vector3d& p : {a, b, c}) ball.vertices.push_back(middle + 1e-5 * (p - middle));
+  ball.triangles[100] = {t[0], t[1], first};
+  for (const Triangle& ring : std::vector<Triangle>{{t[1], first + 1, first},
+                                                    {t[1], t[2], first + 1},
+                                                    {t[2], first + 2, first + 1},
+                                                    {t[2], t[0], first + 2},
+                                                    {t[0], first, first + 2}}) {
+    ball.triangles.push_back(ring);
+  }
+  FlattenOptions options;
+  options.anchors = FlattenAnchors::kFarBoundary;
+  const Flattening flat = Must(Flatten(ball, options));
+  ASSERT_EQ(flat.charts[0].anchors.size(), 2u);
+  EXPECT_NE(flat.charts[0].anchors[0], flat.charts[0].anchors[1]);
+  EXPECT_GT(flat.distortion.area_ratio, 0.01);
 }
 
 TEST(FlattenOptionsTest, CancellationReachesTheLoops) {

@@ -53,7 +53,7 @@ struct Layout {
     }
   }
 
-  Overlap Find() const { return FindOverlap(uv, loops); }
+  Overlap Find() const { return *FindOverlap(uv, loops); }
 };
 
 std::vector<Complex> Rectangle(double x, double y, double width, double height) {
@@ -82,7 +82,7 @@ TEST(OverlapTest, NoneInPlaneMeshes) {
   ring.AddMesh(0, Annulus(3, 20, 1, 2));
   EXPECT_EQ(ring.loops.size(), 2u);
   EXPECT_FALSE(ring.Find().any());
-  EXPECT_FALSE(FindOverlap({}, {}).any());
+  EXPECT_FALSE(FindOverlap({}, {})->any());
 }
 
 TEST(OverlapTest, NamesTheSegmentsThatCross) {
