@@ -73,6 +73,8 @@ std::optional<FaultKind> KindOf(v1::ErrorReason reason) {
       return FaultKind::kNonManifoldVertex;
     case v1::ERROR_REASON_UNKNOWN_EDGE:
       return FaultKind::kUnknownEdge;
+    case v1::ERROR_REASON_NOT_INJECTIVE:
+      return FaultKind::kNotInjective;
     case v1::ERROR_REASON_UNSPECIFIED:
     default:  // protobuf's sentinels
       break;

@@ -38,6 +38,9 @@ constexpr Mapping Invalid(const char* reason) {
 constexpr Mapping Missing(const char* reason) {
   return {grpc::StatusCode::NOT_FOUND, "NOT_FOUND", reason, kNever};
 }
+constexpr Mapping Unmet(const char* reason) {
+  return {grpc::StatusCode::FAILED_PRECONDITION, "FAILED_PRECONDITION", reason, kNever};
+}
 constexpr Mapping Exhausted(const char* reason, milliseconds retry) {
   return {grpc::StatusCode::RESOURCE_EXHAUSTED, "RESOURCE_EXHAUSTED", reason, retry};
 }
@@ -72,6 +75,8 @@ constexpr Mapping Map(FaultKind kind) {
       return Invalid("NOT_A_DISK");
     case FaultKind::kUnknownEdge:
       return Invalid("UNKNOWN_EDGE");
+    case FaultKind::kNotInjective:
+      return Unmet("NOT_INJECTIVE");
     case FaultKind::kMeshTooLarge:
       return Invalid("MESH_TOO_LARGE");
     case FaultKind::kInvalidOption:
@@ -97,7 +102,7 @@ constexpr Mapping Map(FaultKind kind) {
     case FaultKind::kAlreadyExists:
       return {grpc::StatusCode::ALREADY_EXISTS, "ALREADY_EXISTS", "ALREADY_EXISTS", kNever};
     case FaultKind::kProtocol:
-      return {grpc::StatusCode::FAILED_PRECONDITION, "FAILED_PRECONDITION", "PROTOCOL", kNever};
+      return Unmet("PROTOCOL");
     case FaultKind::kLimitExceeded:
       return Exhausted("LIMIT_EXCEEDED", kQuotaRetry);
     case FaultKind::kOverloaded:
@@ -165,7 +170,8 @@ google::rpc::Status ToRpcStatus(const Fault& fault) {
     violation.set_description(status.message());
     status.add_details()->PackFrom(bad_request);
   }
-  if (mapping.retry != kNever) {
+  // Waiting cures no fault of a field: the request would be as large then.
+  if (mapping.retry != kNever && fault.field.empty()) {
     google::rpc::RetryInfo retry;
     retry.mutable_retry_delay()->set_seconds(mapping.retry.count() / 1000);
     retry.mutable_retry_delay()->set_nanos(

@@ -2,7 +2,8 @@
 //
 // Every status carries google.rpc.ErrorInfo {reason: an ErrorReason without its prefix, domain:
 // "arapd", metadata: the fault's details and "elements", the first offending ids}, BadRequest when
-// the fault names a field, and RetryInfo with RESOURCE_EXHAUSTED and UNAVAILABLE.
+// the fault names a field, and RetryInfo with RESOURCE_EXHAUSTED and UNAVAILABLE when it names
+// none.
 #pragma once
 
 #include <string>

@@ -58,6 +58,8 @@ TEST(StatusMapTest, OnlyWhatPassesIsToBeRetried) {
     EXPECT_EQ(error.retry_seconds > 0, passes) << FaultName(kind);
     EXPECT_NE(error.code, grpc::OK);
     EXPECT_NE(error.code, grpc::UNKNOWN);
+    const Fault of_the_request{kind, "A sentence.", {}, {}, "mesh.triangles"};
+    EXPECT_EQ(wire::Decode(ToGrpcStatus(of_the_request)).retry_seconds, 0) << FaultName(kind);
   }
 }
 

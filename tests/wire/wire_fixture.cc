@@ -55,7 +55,8 @@ WireError Expect(WireError error, grpc::StatusCode code, const char* reason) {
   EXPECT_EQ(error.reason, reason) << error.message;
   EXPECT_EQ(error.domain, "arapd");
   EXPECT_FALSE(error.message.empty());
-  const bool retryable = code == grpc::RESOURCE_EXHAUSTED || code == grpc::UNAVAILABLE;
+  const bool passes = code == grpc::RESOURCE_EXHAUSTED || code == grpc::UNAVAILABLE;
+  const bool retryable = passes && error.fields.empty();
   EXPECT_EQ(error.retry_seconds > 0, retryable);
   return error;
 }
