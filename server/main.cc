@@ -51,6 +51,10 @@ void AddLimits(CLI::App& app, Flags& flags) {
   add("--max-streams", limits.max_streams, "Open streams and running tracks");
   add("--max-track-frames", limits.max_track_frames, "Frames of one track");
   add("--max-refine", limits.max_refine, "Refinement iterations of one update", arap::kMaxRefine);
+  add("--max-flatten-triangles", limits.max_flatten_triangles, "Triangles of one flattening");
+  add("--max-cached-surfaces", limits.max_cached_surfaces, "Surfaces kept under a surface_key");
+  add("--max-cached-surface-bytes", limits.max_cached_surface_bytes,
+      "Bytes that the surfaces kept take together", 1e15);
   app.add_option("--default-ttl-seconds", flags.default_ttl_seconds,
                  "How long a session lives without use, unless it says so itself")
       ->capture_default_str()

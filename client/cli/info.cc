@@ -32,7 +32,10 @@ nlohmann::ordered_json LimitsJson(const client::Limits& limits) {
           {"max_refine", limits.max_refine},
           {"max_ttl_seconds", Seconds(limits.max_ttl)},
           {"max_streams", limits.max_streams},
-          {"max_track_frames", limits.max_track_frames}};
+          {"max_track_frames", limits.max_track_frames},
+          {"max_flatten_triangles", limits.max_flatten_triangles},
+          {"max_cached_surfaces", limits.max_cached_surfaces},
+          {"max_cached_surface_bytes", limits.max_cached_surface_bytes}};
 }
 
 int RunInfo(const InfoOptions& options) {

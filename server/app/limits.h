@@ -19,6 +19,9 @@ struct Limits {
   std::size_t max_streams = 1'000;             // open streams and running tracks together
   std::size_t max_track_frames = 10'000;
   std::uint32_t max_refine = 1000;
+  std::size_t max_flatten_triangles = 2'000'000;
+  std::size_t max_cached_surfaces = 64;  // kept under a surface_key, 0 for none
+  std::size_t max_cached_surface_bytes = 1u << 30u;
   std::chrono::milliseconds default_ttl = std::chrono::hours(1);
   std::chrono::milliseconds max_ttl = std::chrono::hours(24);
 };

@@ -8,18 +8,23 @@
 namespace arap::rpc {
 namespace {
 
-constexpr const char* kCapabilities[] = {"basis.edge",      "basis.edge_as_published",
-                                         "basis.face",      "basis.vertex",
-                                         "weights.uniform", "weights.cotangent",
-                                         "mesh.rigidity",   "handle.hard",
-                                         "handle.oriented", "handle.area",
-                                         "handle.depth",    "handle.snap",
-                                         "mode.rigid",      "mode.similarity",
-                                         "mode.baseline",   "deform.refine",
-                                         "deform.track",    "stream.latest",
-                                         "stream.every",    "stream.edit",
-                                         "deform.pick",     "flatten",
-                                         "flatten.refine",  "result.float64"};
+constexpr const char* kCapabilities[] = {"basis.edge",          "basis.edge_as_published",
+                                         "basis.face",          "basis.vertex",
+                                         "weights.uniform",     "weights.cotangent",
+                                         "mesh.rigidity",       "handle.hard",
+                                         "handle.oriented",     "handle.area",
+                                         "handle.depth",        "handle.snap",
+                                         "mode.rigid",          "mode.similarity",
+                                         "mode.baseline",       "deform.refine",
+                                         "deform.track",        "stream.latest",
+                                         "stream.every",        "stream.edit",
+                                         "deform.pick",         "flatten",
+                                         "flatten.refine",      "flatten.lscm",
+                                         "flatten.abf",         "flatten.anchors",
+                                         "flatten.seams",       "flatten.auto_cut",
+                                         "flatten.injective",   "flatten.pins",
+                                         "flatten.grain_lines", "flatten.surface_key",
+                                         "result.float64"};
 
 }  // namespace
 
@@ -39,6 +44,9 @@ Status GetServerInfo(app::Engine& engine, const v1::GetServerInfoRequest&, const
   SetDuration(limits.max_ttl, out.mutable_max_ttl());
   out.set_max_streams(limits.max_streams);
   out.set_max_track_frames(limits.max_track_frames);
+  out.set_max_flatten_triangles(limits.max_flatten_triangles);
+  out.set_max_cached_surfaces(limits.max_cached_surfaces);
+  out.set_max_cached_surface_bytes(limits.max_cached_surface_bytes);
   for (const char* capability : kCapabilities) response->add_capabilities(capability);
   response->set_workers(static_cast<std::uint32_t>(engine.interactive.threads()));
   return {};

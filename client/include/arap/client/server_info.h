@@ -21,6 +21,9 @@ struct Limits {
   std::chrono::nanoseconds max_ttl{0};
   std::uint64_t max_streams = 0;
   std::uint64_t max_track_frames = 0;
+  std::uint64_t max_flatten_triangles = 0;
+  std::uint64_t max_cached_surfaces = 0;
+  std::uint64_t max_cached_surface_bytes = 0;
 };
 
 struct ServerInfo {
