@@ -46,10 +46,12 @@ HandleSetInfo FromWire(const v1::HandleSetInfo& set);
 void ToWire(const DeformOptions& options, v1::DeformOptions* out);
 Shape FromWire(const v1::Shape& shape);
 
-// Sessions, surfaces, servers.
-SessionInfo FromWire(const v1::Session& session);
+// Surfaces.
 void ToWire(const FlattenOptions& options, v1::FlattenRequest* out);
 FlatSurface FromWire(const v1::FlattenResponse& response);
+
+// Sessions, servers.
+SessionInfo FromWire(const v1::Session& session);
 ServerInfo FromWire(const v1::GetServerInfoResponse& response);
 
 }  // namespace arap::client::internal

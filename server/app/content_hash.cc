@@ -11,8 +11,9 @@
 namespace arap::app {
 namespace {
 
-// Change it whenever the same mesh would get other factors.
-constexpr std::string_view kTag = "arap planar mesh 1\n";
+// Change them whenever the same mesh would get other factors.
+constexpr std::string_view kPlanarTag = "arap planar mesh 1\n";
+constexpr std::string_view kSurfaceTag = "arap surface 1\n";
 
 class Sha256 {
  public:
@@ -53,10 +54,24 @@ class Sha256 {
 
 Result<std::string> ContentHash(const PlanarMesh& mesh, const EnergyOptions& options) {
   Sha256 hash;
-  hash.Bytes(kTag.data(), kTag.size());
+  hash.Bytes(kPlanarTag.data(), kPlanarTag.size());
   hash.Number(static_cast<std::uint64_t>(options.basis));
   hash.Number(static_cast<std::uint64_t>(options.weights));
   hash.Array(options.rigidity);
+  hash.Array(mesh.vertices);
+  hash.Array(mesh.triangles);
+  return hash.Hex();
+}
+
+Result<std::string> ContentHash(const SurfaceMesh& mesh, const CutOptions& options) {
+  // What is hashed byte by byte has no bytes between its numbers.
+  static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double));
+  Sha256 hash;
+  hash.Bytes(kSurfaceTag.data(), kSurfaceTag.size());
+  hash.Number(options.auto_cut ? 1 : 0);
+  hash.Number(options.split_non_manifold ? 1 : 0);
+  hash.Number(options.tolerate_degenerate ? 1 : 0);
+  hash.Array(options.seams);
   hash.Array(mesh.vertices);
   hash.Array(mesh.triangles);
   return hash.Hex();

@@ -1,9 +1,10 @@
-// ContentHash: the name under which equal meshes share their factors.
+// ContentHash: the name under which equal meshes share what was computed from them.
 #pragma once
 
 #include <string>
 
 #include "core/base/result.h"
+#include "core/cut/cut_surface.h"
 #include "core/energy/options.h"
 #include "core/mesh/mesh.h"
 
@@ -13,5 +14,8 @@ namespace arap::app {
 // arguments give equal hashes on every machine of one byte order. kInternal if the digest cannot be
 // made.
 Result<std::string> ContentHash(const PlanarMesh& mesh, const EnergyOptions& options);
+
+// The same for a surface and how it is cut; the limits do not count.
+Result<std::string> ContentHash(const SurfaceMesh& mesh, const CutOptions& options);
 
 }  // namespace arap::app

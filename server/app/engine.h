@@ -3,6 +3,7 @@
 
 #include <cstddef>
 
+#include "server/app/flatten_cache.h"
 #include "server/app/limits.h"
 #include "server/app/mesh_cache.h"
 #include "server/app/open_streams.h"
@@ -27,6 +28,7 @@ struct Engine {
   Engine(const Limits& the_limits, const Lanes& lanes, const runtime::Clock& clock)
       : limits(the_limits),
         sessions(limits, clock),
+        surfaces(limits.max_cached_surfaces, limits.max_cached_surface_bytes),
         streams(limits.max_streams),
         interactive(lanes.workers, lanes.queue),
         jobs(lanes.job_workers, lanes.queue) {}
@@ -34,6 +36,7 @@ struct Engine {
   const Limits limits;
   SessionRegistry sessions;
   MeshCache meshes;
+  FlattenCache surfaces;
   OpenStreams streams;
   // Last, so that no job outlives what it uses.
   runtime::WorkerPool interactive;

@@ -57,15 +57,6 @@ std::vector<Triangle> Triangles(const Mesh& mesh) {
   return triangles;
 }
 
-Fault UnknownValue(const char* field, int value) {
-  Fault fault{FaultKind::kInvalidOption,
-              fmt::format("{} has the value {}, which this version does not know.", field, value),
-              {},
-              {},
-              field};
-  return fault.Detail("value", std::to_string(value));
-}
-
 v1::Basis ToWire(Basis basis) {
   switch (basis) {
     case Basis::kEdge:
@@ -101,6 +92,15 @@ Result<Basis> FromWire(v1::Basis basis) {
 }
 
 }  // namespace
+
+Fault UnknownValue(const char* field, int value) {
+  Fault fault{FaultKind::kInvalidOption,
+              fmt::format("{} has the value {}, which this version does not know.", field, value),
+              {},
+              {},
+              field};
+  return fault.Detail("value", std::to_string(value));
+}
 
 Result<PlanarMesh> FromWire(const v1::PlanarMesh& mesh, const MeshLimits& limits) {
   if (auto good = CheckArrays(mesh, 2, limits); !good) return Fail(std::move(good.error()));

@@ -36,6 +36,9 @@ Result<SurfaceMesh> FromWire(const v1::SurfaceMesh& mesh, const MeshLimits& limi
 Result<EnergyOptions> FromWire(const v1::EnergyOptions& options, Weights default_weights,
                                std::size_t triangles);
 
+// kInvalidOption for a value of an enumeration that this version does not know.
+Fault UnknownValue(const char* field, int value);
+
 void ToWire(const std::vector<Warning>& warnings,
             google::protobuf::RepeatedPtrField<v1::Warning>* out);
 // Without the rigidity array, which only the client needs and has.

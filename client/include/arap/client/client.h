@@ -63,7 +63,7 @@ class Client {
   Result<SessionPage> ListSessions(std::uint32_t page_size = 0, const std::string& page_token = {},
                                    const CallOptions& call = {}) const;
 
-  // Flattens one disk. Stateless: needs no session.
+  // Flattens a surface, true to size. Stateless: needs no session.
   Result<FlatSurface> Flatten(const SurfaceMesh& mesh, const FlattenOptions& options = {},
                               const CallOptions& call = {}) const;
 

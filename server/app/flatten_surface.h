@@ -1,0 +1,27 @@
+// FlattenSurface: flattening with the memory of what was flattened before.
+#pragma once
+
+#include <string>
+
+#include "core/base/cancel.h"
+#include "core/base/result.h"
+#include "core/flatten/flattener.h"
+#include "core/mesh/mesh.h"
+#include "server/app/flatten_cache.h"
+
+namespace arap::app {
+
+struct FlatAnswer {
+  Flattening flat;
+  bool cached = false;  // the prepared surface was there already
+};
+
+// Flattens `mesh`. With a `surface_key`, the prepared surface is looked up in `cache` and kept
+// there afterwards, also when the flattening itself failed; the content of mesh and cuts must be
+// the same, so that a key that is used twice costs time only. Faults: those of arap::Flatten,
+// kInvalidName for the key.
+Result<FlatAnswer> FlattenSurface(FlattenCache& cache, const std::string& surface_key,
+                                  SurfaceMesh mesh, const FlattenOptions& options,
+                                  const CancelToken& cancel);
+
+}  // namespace arap::app
