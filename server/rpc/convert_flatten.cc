@@ -37,7 +37,7 @@ Status CheckFinite(double value, std::string field) {
 struct Recipe {
   FlattenMethod method = FlattenMethod::kArap;
   std::vector<Basis> bases;
-  bool conformal = false;  // cotangent weights only
+  bool conformal = false;  // angles only: cotangent weights, and no anchors unless asked
   std::uint32_t refine = 0;
 };
 
@@ -83,9 +83,10 @@ Result<EnergyOptions> EnergyOf(const v1::FlattenRequest& request, const Recipe& 
   return energy;
 }
 
-Result<FlattenAnchors> AnchorsOf(v1::FlattenAnchors anchors) {
+Result<FlattenAnchors> AnchorsOf(v1::FlattenAnchors anchors, const Recipe& recipe) {
   switch (anchors) {
     case v1::FLATTEN_ANCHORS_UNSPECIFIED:
+      return recipe.conformal ? FlattenAnchors::kSpectral : FlattenAnchors::kCentreEdge;
     case v1::FLATTEN_ANCHORS_SPECTRAL:
       return FlattenAnchors::kSpectral;
     case v1::FLATTEN_ANCHORS_CENTER_EDGE:
@@ -192,7 +193,7 @@ Result<FlattenOptions> FromWire(const v1::FlattenRequest& request, const app::Li
   if (!recipe) return Fail(std::move(recipe.error()));
   auto energy = EnergyOf(request, *recipe);
   if (!energy) return Fail(std::move(energy.error()));
-  auto anchors = AnchorsOf(request.anchors());
+  auto anchors = AnchorsOf(request.anchors(), *recipe);
   if (!anchors) return Fail(std::move(anchors.error()));
   FlattenOptions options;
   options.method = recipe->method;

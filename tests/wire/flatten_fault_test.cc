@@ -70,7 +70,9 @@ TEST_F(FlattenFaultTest, Arrays) {
 TEST_F(FlattenFaultTest, Surfaces) {
   BadSurface(Fan(), "NON_MANIFOLD_EDGE", "0,1,2");
   BadSurface(Bowtie(), "NON_MANIFOLD_VERTEX", "0");
-  BadSurface(testing::MoebiusBand(8), "NOT_ORIENTABLE", "");
+  const v1::FlattenRequest moebius = RequestFor(testing::MoebiusBand(8));
+  ExpectNeighbours(
+      moebius, Refusal(moebius, grpc::INVALID_ARGUMENT, "NOT_ORIENTABLE").metadata.at("elements"));
   BadSurface(testing::Sphere(4, 6), "NOT_A_DISK", "0");
   BadSurface(testing::Together(BentStrip(), testing::Torus(6, 5, 3, 1), {9, 0, 0}), "NOT_A_DISK",
              "12");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <utility>
 
@@ -158,6 +159,19 @@ void ExpectConsistent(const v1::FlattenRequest& request, const v1::FlattenRespon
   }
   EXPECT_EQ(response.cut_edges_size() % 2, 0);
   EXPECT_LE(2 * response.auto_cut_count(), static_cast<std::uint32_t>(response.cut_edges_size()));
+}
+
+void ExpectNeighbours(const v1::FlattenRequest& request, const std::string& elements) {
+  int a = -1;
+  int b = -1;
+  ASSERT_EQ(std::sscanf(elements.c_str(), "%d,%d", &a, &b), 2) << elements;
+  int shared = 0;
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      shared += request.mesh().triangles(3 * a + i) == request.mesh().triangles(3 * b + k);
+    }
+  }
+  EXPECT_EQ(shared, 2) << elements;
 }
 
 std::vector<std::string> Kinds(const v1::FlattenResponse& response) {

@@ -28,6 +28,9 @@ std::vector<Complex> Positions(const v1::FlattenResponse& response);
 // (every boundary segment of every chart once, in order), flips recounted, areas.
 void ExpectConsistent(const v1::FlattenRequest& request, const v1::FlattenResponse& response);
 
+// Two triangles of `elements` that share an edge in the request.
+void ExpectNeighbours(const v1::FlattenRequest& request, const std::string& elements);
+
 // The kinds of the warnings, in order.
 std::vector<std::string> Kinds(const v1::FlattenResponse& response);
 

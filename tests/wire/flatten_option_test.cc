@@ -37,7 +37,7 @@ TEST_F(FlattenOptionTest, DefaultsAreFaceCellsAndTwentyRefinements) {
   const auto plain = UvOf(RequestFor(Cap()));
   v1::FlattenRequest spelled =
       With(v1::FLATTEN_METHOD_ARAP_FACE, v1::BASIS_FACE, v1::EDGE_WEIGHTS_COTANGENT);
-  spelled.set_anchors(v1::FLATTEN_ANCHORS_SPECTRAL);
+  spelled.set_anchors(v1::FLATTEN_ANCHORS_CENTER_EDGE);
   spelled.set_refine(20);
   spelled.set_refine_stop(1e-6);
   EXPECT_EQ(plain, UvOf(spelled));
@@ -55,9 +55,11 @@ TEST_F(FlattenOptionTest, MethodAndBasisSayTheSame) {
                    With(v1::FLATTEN_METHOD_UNSPECIFIED, v1::BASIS_EDGE_AS_PUBLISHED, kAny)));
   EXPECT_TRUE(same(With(v1::FLATTEN_METHOD_FIRST_STEP, kNone, kAny),
                    With(v1::FLATTEN_METHOD_FIRST_STEP, v1::BASIS_EDGE, kAny)));
-  EXPECT_TRUE(
-      same(With(v1::FLATTEN_METHOD_LSCM, kNone, kAny),
-           With(v1::FLATTEN_METHOD_FIRST_STEP, v1::BASIS_FACE, v1::EDGE_WEIGHTS_COTANGENT)));
+  v1::FlattenRequest conformal =
+      With(v1::FLATTEN_METHOD_FIRST_STEP, v1::BASIS_FACE, v1::EDGE_WEIGHTS_COTANGENT);
+  EXPECT_FALSE(same(With(v1::FLATTEN_METHOD_LSCM, kNone, kAny), conformal)) << "other anchors";
+  conformal.set_anchors(v1::FLATTEN_ANCHORS_SPECTRAL);
+  EXPECT_TRUE(same(With(v1::FLATTEN_METHOD_LSCM, kNone, kAny), conformal));
   EXPECT_FALSE(same(With(v1::FLATTEN_METHOD_LSCM, kNone, kAny),
                     With(v1::FLATTEN_METHOD_FIRST_STEP, v1::BASIS_EDGE, kAny)));
   EXPECT_FALSE(
@@ -87,7 +89,6 @@ TEST_F(FlattenOptionTest, RefinementStopsWhereItIsTold) {
   const v1::FlattenResponse early = Flat(request);
   request.set_refine_stop(1e-4);
   const v1::FlattenResponse late = Flat(request);
-  EXPECT_GE(early.charts(0).refinements(), 1u);
   EXPECT_LT(early.charts(0).refinements(), late.charts(0).refinements());
   EXPECT_LT(late.charts(0).refinements(), 200u);
   EXPECT_LT(late.distortion().arap_energy(), early.distortion().arap_energy());
@@ -95,9 +96,13 @@ TEST_F(FlattenOptionTest, RefinementStopsWhereItIsTold) {
 
 TEST_F(FlattenOptionTest, AnchorsAreNamed) {
   v1::FlattenRequest request = RequestFor(Cap());
+  request.set_method(v1::FLATTEN_METHOD_LSCM);
+  EXPECT_THAT(Flat(request).anchor_vertices(), IsEmpty()) << "spectral by default";
   request.set_method(v1::FLATTEN_METHOD_ARAP_EDGE);
   request.set_refine(0);
-  EXPECT_THAT(Flat(request).anchor_vertices(), IsEmpty()) << "spectral by default";
+  const auto plain = UvOf(request);
+  request.set_anchors(v1::FLATTEN_ANCHORS_CENTER_EDGE);
+  EXPECT_EQ(plain, UvOf(request)) << "the centre edge by default";
   for (const auto anchors : {v1::FLATTEN_ANCHORS_CENTER_EDGE, v1::FLATTEN_ANCHORS_FAR_BOUNDARY}) {
     request.set_anchors(anchors);
     request.set_include_first_step(true);
