@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <stop_token>
 #include <string>
 
 #include <grpcpp/grpcpp.h>
@@ -42,6 +43,7 @@ Result<Response> Call(Stub& stub,
                       const std::string& session_id = {}) {
   grpc::ClientContext context;
   Prepare(context, call, session_id);
+  const std::stop_callback cancel(call.stop, [&context] { context.TryCancel(); });
   Response response;
   const grpc::Status status = (stub.*method)(&context, request, &response);
   if (!status.ok()) return Fail(FaultOf(status));

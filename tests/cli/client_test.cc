@@ -1,6 +1,9 @@
 // The client library against a private server: sessions, meshes, handles, single shapes.
 #include "arap/client/client.h"
 
+#include <optional>
+#include <stop_token>
+
 #include <gmock/gmock.h>
 
 #include "tests/cli/server_test.h"
@@ -171,6 +174,15 @@ TEST_F(ClientLibrary, APassedDeadlineSaysSo) {
   const auto info = client().GetServerInfo({std::chrono::seconds(-1)});
   ASSERT_FALSE(info);
   EXPECT_EQ(info.error().kind, FaultKind::kDeadlineExceeded);
+}
+
+TEST_F(ClientLibrary, ACallThatWasStoppedIsCancelled) {
+  std::stop_source stop;
+  EXPECT_TRUE(client().GetServerInfo({std::nullopt, stop.get_token()}));
+  stop.request_stop();
+  const auto info = client().GetServerInfo({std::nullopt, stop.get_token()});
+  ASSERT_FALSE(info);
+  EXPECT_EQ(info.error().kind, FaultKind::kCancelled);
 }
 
 TEST(ClientWithoutServer, IsNotReadyAndItsCallsFail) {
