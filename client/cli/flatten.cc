@@ -4,84 +4,84 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands.h"
-#include "client/cli/connection.h"
+#include "client/cli/compare.h"
+#include "client/cli/dxf_format.h"
+#include "client/cli/flatten_call.h"
+#include "client/cli/flatten_flags.h"
 #include "client/cli/flatten_report.h"
 #include "client/cli/mesh_file.h"
-#include "client/cli/option_names.h"
+#include "client/cli/pattern.h"
 #include "client/cli/report.h"
-#include "client/cli/svg/layout.h"
+#include "client/cli/svg/comparison.h"
+#include "client/cli/svg/pattern_sheet.h"
 #include "client/cli/text_file.h"
 
 namespace arap::cli {
 namespace {
 
-struct FlattenFlags {
-  ServerFlags server;
-  std::string surface;
-  std::string out;
-  std::string svg;
-  std::string report;
-  client::FlattenOptions options;
-};
+// Writes `text` unless no name is given.
+Status WriteWanted(const std::string& path, const std::string& text) {
+  return path.empty() ? Status() : WriteTextFile(path, text);
+}
 
-// A server that answers arrays of another length must not make us read past them.
-Status CheckLengths(const client::SurfaceMesh& mesh, const client::FlatSurface& flat,
-                    bool singular_values) {
-  bool good = flat.corner_uv.size() == mesh.triangles.size();
-  good = good && (!singular_values || flat.singular_values.size() == 2 * mesh.triangle_count());
-  for (const std::uint32_t corner : flat.corner_uv) good = good && 2 * corner + 1 < flat.uv.size();
-  if (good) return {};
-  return Fail(FaultKind::kInternal, "the server's answer does not fit the mesh");
+Status WriteLayout(const FlattenFlags& flags, const client::FlattenOptions& options,
+                   const client::SurfaceMesh& mesh, const client::FlatSurface& flat) {
+  const std::vector<std::string> summary = Summary(mesh, flat);
+  for (const std::string& line : summary) fmt::print("{}\n", line);
+  if (!flags.out.empty()) {
+    if (auto ok = WriteTextFile(flags.out, FormatObj(mesh, flat.uv, flat.corner_uv)); !ok)
+      return ok;
+  }
+  if (!flags.svg.empty() || !flags.dxf.empty()) {
+    const Pattern pattern =
+        MakePattern(flat, {flags.millimetres_per_unit, flags.allowance, options.grain_lines});
+    const PatternSheet sheet{!flags.plain, flags.interior, summary};
+    if (auto ok = WriteWanted(flags.svg, FormatPattern(pattern, sheet)); !ok) return ok;
+    if (auto ok = WriteWanted(flags.dxf, FormatDxf(pattern)); !ok) return ok;
+  }
+  return WriteWanted(flags.report, JsonReport(mesh, flat));
+}
+
+Status Compare(const FlattenFlags& flags, const client::FlattenOptions& options,
+               const client::SurfaceMesh& mesh, const client::Client& client) {
+  const FlattenCall flatten = [&](const client::FlattenOptions& one, const std::string& what) {
+    return FlattenWaiting(client, mesh, one, flags.timeout(), what);
+  };
+  const Result<std::vector<ComparisonPanel>> panels = CompareMethods(options, flatten);
+  if (!panels) return Fail(panels.error());
+  fmt::print("{}", FormatTable(*panels));
+  const std::string caption =
+      fmt::format("{} vertices, {} triangles; the squares have one size on every layout",
+                  mesh.vertex_count(), mesh.triangle_count());
+  return WriteTextFile(flags.compare, FormatComparison(mesh, *panels, caption));
 }
 
 Status Flatten(const FlattenFlags& flags) {
   const Result<client::SurfaceMesh> mesh = ReadSurfaceMesh(flags.surface);
   if (!mesh) return Fail(mesh.error());
+  const Result<client::FlattenOptions> options = ReadOptions(flags, mesh->vertex_count());
+  if (!options) return Fail(options.error());
   const Result<Connection> connection = Connection::Open(flags.server);
   if (!connection) return Fail(connection.error());
-  client::FlattenOptions options = flags.options;
-  options.float64 = true;
-  options.singular_values = !flags.svg.empty();
-  const Result<client::FlatSurface> flat = connection->client().Flatten(*mesh, options);
-  if (!flat) return Fail(flat.error());
-  if (Status good = CheckLengths(*mesh, *flat, options.singular_values); !good) return good;
-  PrintWarnings(flat->warnings);
 
-  if (Status written = WriteTextFile(flags.out, FormatObj(*mesh, flat->uv, flat->corner_uv));
-      !written) {
-    return written;
+  const bool layout =
+      !(flags.out.empty() && flags.svg.empty() && flags.dxf.empty() && flags.report.empty());
+  if (layout) {
+    const Result<client::FlatSurface> flat =
+        FlattenWaiting(connection->client(), *mesh, *options, flags.timeout(), "flattening");
+    if (!flat) return Fail(flat.error());
+    PrintWarnings(flat->warnings);
+    if (Status written = WriteLayout(flags, *options, *mesh, *flat); !written) return written;
   }
-  const std::vector<std::string> summary = Summary(*mesh, *flat);
-  for (const std::string& line : summary) fmt::print("{}\n", line);
-  if (!flags.svg.empty()) {
-    const Layout layout{flat->uv, flat->corner_uv, flat->singular_values, summary};
-    if (Status written = WriteTextFile(flags.svg, FormatLayout(layout)); !written) return written;
-  }
-  if (!flags.report.empty()) return WriteTextFile(flags.report, JsonReport(*mesh, *flat));
-  return {};
+  return flags.compare.empty() ? Status() : Compare(flags, *options, *mesh, connection->client());
 }
 
 }  // namespace
 
 void AddFlatten(CLI::App& app, Run& run) {
   auto flags = std::make_shared<FlattenFlags>();
-  CLI::App* const command =
-      app.add_subcommand("flatten", "Lay a surface flat and write its texture coordinates");
-  command->add_option("SURFACE", flags->surface, "the surface: an OBJ or OFF file, one disk")
-      ->required();
-  AddServerFlags(*command, flags->server);
-  command->add_option("--out", flags->out, "write the surface with flat positions as vt")
-      ->required()
-      ->option_text("FILE.obj REQUIRED");
-  command
-      ->add_option("--svg", flags->svg,
-                   "write the layout, each triangle coloured by its larger principal strain")
-      ->option_text("FILE.svg");
-  command->add_option("--report", flags->report, "write the measures of distortion")
-      ->option_text("FILE.json");
-  AddEnergyOptions(*command, flags->options.energy, /*planar=*/false);
-  command->add_option("--refine", flags->options.refine, "local/global iterations afterwards")
-      ->option_text("N");
+  CLI::App* const command = app.add_subcommand("flatten", "Lay a surface flat, true to size");
+  AddFlattenFlags(*command, *flags);
   command->callback([flags, &run] {
     run = [flags] {
       const Status flattened = Flatten(*flags);

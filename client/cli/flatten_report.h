@@ -8,9 +8,12 @@
 
 namespace arap::cli {
 
-// A JSON object: counts, every measure of distortion, anchors, warnings and times.
+// A JSON object: counts, every measure of distortion of the whole and of each chart, anchors, cuts,
+// warnings and times. Indices count from 0.
 std::string JsonReport(const client::SurfaceMesh& mesh, const client::FlatSurface& flat);
 // The same in a few lines for people.
 std::vector<std::string> Summary(const client::SurfaceMesh& mesh, const client::FlatSurface& flat);
+// The two lines of it about strain, angles and energies.
+std::vector<std::string> Measures(const client::Distortion& distortion);
 
 }  // namespace arap::cli

@@ -1,8 +1,5 @@
 #include "client/cli/option_names.h"
 
-#include <map>
-#include <string>
-
 namespace arap::cli {
 namespace {
 
@@ -10,29 +7,31 @@ using client::Basis;
 using client::DeformMode;
 using client::EdgeWeights;
 
-// Help that lists the names alone; the numbers of the enumerators are nobody's business.
-template <class Enum>
-CLI::Option* AddChoice(CLI::App& command, const std::string& flag, Enum& value,
-                       const std::map<std::string, Enum>& names, const std::string& help) {
-  std::string choices;
-  for (const auto& [name, enumerator] : names) choices += (choices.empty() ? "" : "|") + name;
-  return command.add_option(flag, value, help)
-      ->transform(CLI::CheckedTransformer(names).description(""))
-      ->option_text(choices);
-}
-
-}  // namespace
-
-void AddEnergyOptions(CLI::App& command, client::EnergyOptions& energy, bool planar) {
+void AddBasis(CLI::App& command, Basis& basis, bool planar, const std::string& help) {
   std::map<std::string, Basis> bases{{"edge", Basis::kEdge},
                                      {"edge-as-published", Basis::kEdgeAsPublished},
                                      {"face", Basis::kFace}};
   if (planar) bases.emplace("vertex", Basis::kVertex);
-  AddChoice(command, "--basis", energy.basis, bases, "what moves rigidly; default edge");
+  AddChoice(command, "--basis", basis, bases, help);
+}
+
+void AddWeights(CLI::App& command, EdgeWeights& weights, const std::string& help) {
   AddChoice<EdgeWeights>(
-      command, "--weights", energy.weights,
-      {{"uniform", EdgeWeights::kUniform}, {"cotangent", EdgeWeights::kCotangent}},
-      planar ? "of the edges; default uniform" : "of the edges; default cotangent");
+      command, "--weights", weights,
+      {{"uniform", EdgeWeights::kUniform}, {"cotangent", EdgeWeights::kCotangent}}, help);
+}
+
+}  // namespace
+
+void AddEnergyOptions(CLI::App& command, client::EnergyOptions& energy) {
+  AddBasis(command, energy.basis, /*planar=*/true, "what moves rigidly; default edge");
+  AddWeights(command, energy.weights, "of the edges; default uniform");
+}
+
+void AddFlattenEnergyOptions(CLI::App& command, client::EnergyOptions& energy) {
+  AddBasis(command, energy.basis, /*planar=*/false,
+           "what moves rigidly, where the method leaves it open");
+  AddWeights(command, energy.weights, "of the edges; default cotangent");
 }
 
 void AddDeformOptions(CLI::App& command, client::DeformOptions& options) {

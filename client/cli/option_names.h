@@ -1,6 +1,9 @@
 // The options of the server under the names that the command line uses.
 #pragma once
 
+#include <map>
+#include <string>
+
 #include <CLI/CLI.hpp>
 
 #include "arap/client/energy.h"
@@ -8,8 +11,21 @@
 
 namespace arap::cli {
 
-// --basis and --weights. `planar`: with the vertex basis; a surface has none.
-void AddEnergyOptions(CLI::App& command, client::EnergyOptions& energy, bool planar);
+// An option whose values have names. Its help lists the names alone; what they stand for is
+// nobody's business.
+template <class Value>
+CLI::Option* AddChoice(CLI::App& command, const std::string& flag, Value& value,
+                       const std::map<std::string, Value>& names, const std::string& help) {
+  std::string choices;
+  for (const auto& [name, named] : names) choices += (choices.empty() ? "" : "|") + name;
+  return command.add_option(flag, value, help)
+      ->transform(CLI::CheckedTransformer(names).description(""))
+      ->option_text(choices);
+}
+
+// --basis and --weights for meshes in the plane, and for surfaces, which have no vertex basis.
+void AddEnergyOptions(CLI::App& command, client::EnergyOptions& energy);
+void AddFlattenEnergyOptions(CLI::App& command, client::EnergyOptions& energy);
 
 // --mode and --refine.
 void AddDeformOptions(CLI::App& command, client::DeformOptions& options);

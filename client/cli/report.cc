@@ -58,4 +58,24 @@ void Progress::Step() {
   if (terminal_) fmt::print(stderr, "\r{} {}/{}", what_, done_, total_);
 }
 
+Elapsed::Elapsed(std::string what)
+    : what_(std::move(what)),
+      start_(std::chrono::steady_clock::now()),
+      terminal_(isatty(STDERR_FILENO) == 1) {}
+
+Elapsed::~Elapsed() { Clear(); }
+
+void Elapsed::Show() {
+  const auto passed = std::chrono::steady_clock::now() - start_;
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(passed).count();
+  if (!terminal_ || seconds < 1) return;
+  fmt::print(stderr, "\r{} {} s", what_, seconds);
+  shown_ = true;
+}
+
+void Elapsed::Clear() {
+  if (shown_) fmt::print(stderr, "\r\033[K");
+  shown_ = false;
+}
+
 }  // namespace arap::cli

@@ -1,6 +1,7 @@
 // What the commands say on standard error, and on a terminal while they work.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -34,6 +35,25 @@ class Progress {
   std::string what_;
   std::size_t total_;
   std::size_t done_ = 0;
+  bool terminal_;
+};
+
+// Says how long something has taken, once that is more than a second. Silent unless standard error
+// is a terminal.
+class Elapsed {
+ public:
+  explicit Elapsed(std::string what);
+  ~Elapsed();
+  Elapsed(const Elapsed&) = delete;
+  Elapsed& operator=(const Elapsed&) = delete;
+
+  void Show();
+  void Clear();
+
+ private:
+  std::string what_;
+  std::chrono::steady_clock::time_point start_;
+  bool shown_ = false;
   bool terminal_;
 };
 

@@ -10,6 +10,7 @@
 #include "client/cli/mesh_file.h"
 #include "client/cli/report.h"
 #include "client/cli/sample/character.h"
+#include "client/cli/sample/face.h"
 #include "client/cli/sample/garment.h"
 #include "client/cli/sample/grid.h"
 #include "client/cli/text_file.h"
@@ -44,6 +45,10 @@ Status WriteGrid(const SampleOptions& options) {
 
 Status WriteGarment(const SampleOptions& options) {
   return Write(options, FormatObj(MakeGarment(options.edge)), std::nullopt);
+}
+
+Status WriteFace(const SampleOptions& options) {
+  return Write(options, FormatObj(MakeFace(options.edge)), std::nullopt);
 }
 
 using Maker = Status (*)(const SampleOptions&);
@@ -94,6 +99,12 @@ void AddSample(CLI::App& app, Run& run) {
         AddOne(*sample, run, "garment", "the front panel of a skirt in space, in centimetres",
                &WriteGarment);
     AddEdge(*command, options->edge, kGarmentEdge, 0.5, 8);
+  }
+  {
+    const auto [command, options] =
+        AddOne(*sample, run, "face", "a bumpy cap in space that is far from flat, in centimetres",
+               &WriteFace);
+    AddEdge(*command, options->edge, kFaceEdge, 0.2, 2);
   }
   {
     const auto [command, options] = AddOne(*sample, run, "grid", "a square grid", &WriteGrid);

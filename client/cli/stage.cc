@@ -21,7 +21,7 @@ void AddStageOptions(CLI::App& command, StageOptions& options, bool out_required
       ->option_text("FILE.svg");
   command.add_option("--frames-svg", options.frames_svg, "write a sheet of eight frames")
       ->option_text("FILE.svg");
-  AddEnergyOptions(command, options.energy, /*planar=*/true);
+  AddEnergyOptions(command, options.energy);
   CLI::Option* const as_published = command.add_flag(
       "--as-published", options.as_published,
       "the method as it was published: basis edge-as-published with uniform weights");

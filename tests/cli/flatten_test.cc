@@ -37,30 +37,34 @@ class FlattenCommand : public FolderTest {
 TEST_F(FlattenCommand, LaysTheSampleGarmentFlat) {
   ASSERT_EQ(Arapctl({"sample", "garment", "--edge", "4", "--out", Path("skirt.obj")}).code, 0);
   const Outcome outcome =
-      Arapctl({"flatten", Path("skirt.obj"), "--spawn", "--out", Path("flat.obj"), "--svg",
-               Path("layout.svg"), "--report", Path("report.json")});
+      Arapctl({"flatten", Path("skirt.obj"), "--spawn", "--unit", "cm", "--out", Path("flat.obj"),
+               "--svg", Path("layout.svg"), "--dxf", Path("layout.dxf"), "--allowance", "10",
+               "--report", Path("report.json")});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const nlohmann::json report = Report();
   ASSERT_TRUE(report.is_object());
   EXPECT_EQ(report["distortion"]["flipped"], 0);
-  EXPECT_EQ(report["distortion"]["scale"], 1);
+  EXPECT_EQ(report["charts"].size(), 1u);
   EXPECT_NEAR(report["distortion"]["area_ratio"].get<double>(), 1, 0.01);
   EXPECT_LT(report["distortion"]["max_stretch_percent"], 15);
   EXPECT_EQ(FlatPositions().size() / 2, report["vertices"].get<std::size_t>());
   EXPECT_THAT(Slurp(Path("layout.svg")), HasSubstr("larger principal strain"));
+  EXPECT_THAT(Slurp(Path("layout.svg")), HasSubstr("id=\"allowance\""));
+  EXPECT_THAT(Slurp(Path("layout.dxf")), HasSubstr("OUTLINE"));
   // The result is a mesh again.
   const auto mesh = ReadSurfaceMesh(Path("flat.obj"));
   ASSERT_TRUE(mesh) << mesh.error().message;
   EXPECT_EQ(mesh->triangle_count(), report["triangles"].get<std::size_t>());
 }
 
+constexpr std::size_t kColumns = 25, kRows = 9;
+
 // A grid rolled up along its rows of straight rulings keeps the length of every edge, so its flat
 // shape is the grid again, up to a motion of the plane.
-TEST_F(FlattenCommand, UnrollsARolledSheet) {
-  constexpr std::size_t kColumns = 25, kRows = 9;
+client::SurfaceMesh RolledSheet() {
   constexpr double kStep = 0.25;  // radians between rulings
   const double radius = 0.5 / std::sin(kStep / 2);
-  client::PlanarMesh grid = MakeGrid(kColumns, kRows);
+  const client::PlanarMesh grid = MakeGrid(kColumns, kRows);
   client::SurfaceMesh rolled;
   rolled.triangles = grid.triangles;
   for (std::size_t v = 0; v < grid.vertex_count(); ++v) {
@@ -69,33 +73,165 @@ TEST_F(FlattenCommand, UnrollsARolledSheet) {
         rolled.vertices.end(),
         {radius * std::cos(angle), grid.vertices[2 * v + 1], -radius * std::sin(angle)});
   }
-  Put("rolled.obj", FormatObj(rolled));
-  for (const char* basis : {"edge", "edge-as-published", "face"}) {
-    const Outcome outcome =
-        Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--out", Path("flat.obj"), "--basis",
-                 basis, "--weights", "uniform", "--report", Path("report.json")});
-    ASSERT_EQ(outcome.code, 0) << basis << outcome.err;
-    EXPECT_LT(Report()["distortion"]["max_stretch_percent"], 1e-6) << basis;
+  return rolled;
+}
+
+double Distance(const std::vector<double>& points, std::size_t a, std::size_t b) {
+  return std::hypot(points[2 * a] - points[2 * b], points[2 * a + 1] - points[2 * b + 1]);
+}
+
+TEST_F(FlattenCommand, UnrollsARolledSheetWithEveryMethod) {
+  const client::PlanarMesh grid = MakeGrid(kColumns, kRows);
+  Put("rolled.obj", FormatObj(RolledSheet()));
+  // The spectral anchors are exact to the end of their iteration only, so where no refinement
+  // follows the others are asked for.
+  const std::vector<std::vector<std::string>> methods{
+      {},
+      {"--basis", "edge", "--weights", "uniform", "--anchors", "center-edge", "--refine", "0"},
+      {"--method", "arap-edge", "--basis", "edge-as-published", "--anchors", "center-edge",
+       "--refine", "0"},
+      {"--method", "arap-face", "--anchors", "spectral", "--refine-stop", "0"},
+      {"--method", "arap-face", "--anchors", "far-boundary"},
+      {"--method", "first-step", "--anchors", "center-edge"},
+      {"--method", "lscm", "--anchors", "center-edge"},
+      {"--method", "abf", "--anchors", "center-edge"},
+      {"--injective"},
+  };
+  for (const auto& method : methods) {
+    const std::string name = testing::PrintToString(method);
+    std::vector<std::string> words{
+        "flatten",        Path("rolled.obj"), "--spawn",          "--out",
+        Path("flat.obj"), "--report",         Path("report.json")};
+    words.insert(words.end(), method.begin(), method.end());
+    const Outcome outcome = Arapctl(words);
+    ASSERT_EQ(outcome.code, 0) << name << outcome.err;
+    EXPECT_LT(Report()["distortion"]["max_stretch_percent"], 1e-6) << name;
+    EXPECT_EQ(Report()["distortion"]["flipped"], 0) << name;
     const std::vector<double> uv = FlatPositions();
     ASSERT_EQ(uv.size(), grid.vertices.size());
-    const auto distance = [](const std::vector<double>& points, std::size_t a, std::size_t b) {
-      return std::hypot(points[2 * a] - points[2 * b], points[2 * a + 1] - points[2 * b + 1]);
-    };
     for (std::size_t v = 0; v < grid.vertex_count(); ++v) {
       for (const std::size_t to : {std::size_t{0}, kColumns - 1, grid.vertex_count() - 1}) {
-        ASSERT_NEAR(distance(uv, v, to), distance(grid.vertices, v, to), 1e-7) << basis;
+        ASSERT_NEAR(Distance(uv, v, to), Distance(grid.vertices, v, to), 1e-7) << name;
       }
     }
   }
 }
 
+TEST_F(FlattenCommand, DrawsAtTrueSizeAlongTheGrain) {
+  Put("rolled.obj", FormatObj(RolledSheet()));
+  // Along the first row, in centimetres: 24 wide and 8 high, 10 mm round about.
+  const Outcome outcome =
+      Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--unit", "cm", "--plain", "--grain",
+               "1," + std::to_string(kColumns), "--svg", Path("a.svg"), "--dxf", Path("a.dxf")});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(Slurp(Path("a.svg")),
+              HasSubstr("width=\"260mm\" height=\"100mm\" viewBox=\"0 0 260 100\""));
+  EXPECT_THAT(Slurp(Path("a.svg")), HasSubstr("id=\"grain\""));
+  EXPECT_THAT(Slurp(Path("a.dxf")), HasSubstr("GRAIN"));
+  const Outcome upright =
+      Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--unit", "cm", "--plain", "--grain",
+               "1," + std::to_string(kColumns) + ",90", "--svg", Path("b.svg")});
+  ASSERT_EQ(upright.code, 0) << upright.err;
+  EXPECT_THAT(Slurp(Path("b.svg")), HasSubstr("width=\"100mm\" height=\"260mm\""));
+}
+
+TEST_F(FlattenCommand, HoldsPins) {
+  Put("rolled.obj", FormatObj(RolledSheet()));
+  Put("pins.txt", "1 5 6\n" + std::to_string(kColumns) + " 5 30\n");
+  const Outcome outcome = Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--pins",
+                                   Path("pins.txt"), "--out", Path("flat.obj")});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const std::vector<double> uv = FlatPositions();
+  ASSERT_EQ(uv.size(), 2 * kColumns * kRows);
+  EXPECT_NEAR(uv[0], 5, 1e-9);
+  EXPECT_NEAR(uv[1], 6, 1e-9);
+  EXPECT_NEAR(uv[2 * kColumns - 2], 5, 1e-9);
+  EXPECT_NEAR(uv[2 * kColumns - 1], 30, 1e-9);
+  EXPECT_NEAR(uv[2 * kColumns], 4, 1e-6);  // the next row, on the left of the first
+}
+
+TEST_F(FlattenCommand, FilesThatAreWrongAreNamedWithTheirLine) {
+  Put("rolled.obj", FormatObj(RolledSheet()));
+  Put("pins.txt", "1 0 0\n226 1 0\n");
+  const Outcome pins = Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--pins",
+                                Path("pins.txt"), "--out", Path("flat.obj")});
+  EXPECT_EQ(pins.code, 1);
+  EXPECT_THAT(pins.err, HasSubstr("pins.txt:2: vertex 226: the surface has 225"));
+  Put("seams.txt", "1 2 3\nback\n");
+  const Outcome seams = Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--seams",
+                                 Path("seams.txt"), "--out", Path("flat.obj")});
+  EXPECT_EQ(seams.code, 1);
+  EXPECT_THAT(seams.err, HasSubstr("seams.txt:2: a seam goes from"));
+  const Outcome missing = Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--seams",
+                                   Path("none.txt"), "--out", Path("flat.obj")});
+  EXPECT_EQ(missing.code, 1);
+  EXPECT_THAT(missing.err, HasSubstr("none.txt"));
+}
+
+constexpr const char* kTetrahedron =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
 TEST_F(FlattenCommand, RefusesWhatIsNoDisk) {
-  Put("tetrahedron.obj",
-      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+  Put("tetrahedron.obj", kTetrahedron);
   const Outcome outcome =
       Arapctl({"flatten", Path("tetrahedron.obj"), "--spawn", "--out", Path("flat.obj")});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("NOT_A_DISK"));
+}
+
+// Cut along the three edges at one corner a tetrahedron unfolds without strain.
+TEST_F(FlattenCommand, CutsAlongSeams) {
+  Put("tetrahedron.obj", kTetrahedron);
+  Put("seams.txt", "1 4 2\n4 3 # all meet at the top\n");
+  const Outcome outcome =
+      Arapctl({"flatten", Path("tetrahedron.obj"), "--spawn", "--seams", Path("seams.txt"), "--out",
+               Path("flat.obj"), "--report", Path("report.json"), "--svg", Path("net.svg")});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(FlatPositions().size(), 12u);  // the top three times
+  EXPECT_LT(Report()["distortion"]["max_stretch_percent"], 1e-6);
+  EXPECT_EQ(Report()["cut_edges"].size(), 3u);
+  EXPECT_EQ(Report()["auto_cut_count"], 0);
+  EXPECT_THAT(Slurp(Path("net.svg")), HasSubstr("id=\"seam\""));
+}
+
+TEST_F(FlattenCommand, AnAutomaticCutCanBeAskedForAgain) {
+  Put("tetrahedron.obj", kTetrahedron);
+  const Outcome outcome = Arapctl({"flatten", Path("tetrahedron.obj"), "--spawn", "--auto-cut",
+                                   "--out", Path("flat.obj"), "--report", Path("report.json")});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const nlohmann::json first = Report();
+  EXPECT_GT(first["auto_cut_count"], 0);
+  const Outcome again = Arapctl({"flatten", Path("tetrahedron.obj"), "--spawn", "--seams",
+                                 Path("report.json"), "--report", Path("report.json")});
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(Report()["cut_edges"].size(), first["cut_edges"].size());
+  EXPECT_EQ(Report()["auto_cut_count"], 0);
+  EXPECT_NEAR(Report()["distortion"]["arap_energy"].get<double>(),
+              first["distortion"]["arap_energy"].get<double>(), 1e-9);
+}
+
+TEST_F(FlattenCommand, ComparesMethods) {
+  ASSERT_EQ(Arapctl({"sample", "face", "--edge", "2", "--out", Path("face.obj")}).code, 0);
+  const Outcome outcome =
+      Arapctl({"flatten", Path("face.obj"), "--spawn", "--compare", Path("compare.svg")});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const std::string svg = Slurp(Path("compare.svg"));
+  for (const char* label :
+       {"First step, as published", "Second step, as published", "Face cells, refined",
+        "Least squares conformal", "Angle-based", "Injective"}) {
+    EXPECT_THAT(svg, HasSubstr(label));
+    EXPECT_THAT(outcome.out, HasSubstr(label));
+  }
+  EXPECT_THAT(svg, testing::Not(HasSubstr("no layout")));
+  EXPECT_THAT(svg, testing::Not(HasSubstr("nan")));
+}
+
+TEST_F(FlattenCommand, GivesUpInTime) {
+  ASSERT_EQ(Arapctl({"sample", "face", "--edge", "0.2", "--out", Path("face.obj")}).code, 0);
+  const Outcome outcome = Arapctl(
+      {"flatten", Path("face.obj"), "--spawn", "--timeout", "0.001", "--out", Path("flat.obj")});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("DEADLINE_EXCEEDED"));
 }
 
 }  // namespace

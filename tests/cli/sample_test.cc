@@ -10,6 +10,7 @@
 
 #include "client/cli/mesh_file.h"
 #include "client/cli/sample/character.h"
+#include "client/cli/sample/face.h"
 #include "client/cli/sample/garment.h"
 #include "client/cli/sample/grid.h"
 #include "client/cli/sample/point.h"
@@ -134,11 +135,9 @@ TEST(GridSample, IsADiskOfSquares) {
   ExpectStartsAtRest(smallest, MakeGridTrack(smallest, 2, 2));
 }
 
-class Garment : public testing::TestWithParam<double> {};
-
-TEST_P(Garment, IsADiskOfUsefulTriangles) {
-  const client::SurfaceMesh mesh = MakeGarment(GetParam());
-  ExpectDisk(mesh.vertex_count(), mesh.triangles);
+// In degrees.
+double SmallestAngle(const client::SurfaceMesh& mesh) {
+  double smallest = 180;
   for (std::size_t c = 0; c < mesh.triangles.size(); ++c) {
     const auto corner = [&](std::size_t k) {
       return &mesh.vertices[3 * mesh.triangles[c / 3 * 3 + (c + k) % 3]];
@@ -150,12 +149,39 @@ TEST_P(Garment, IsADiskOfUsefulTriangles) {
       ab += (b[i] - a[i]) * (b[i] - a[i]);
       ad += (d[i] - a[i]) * (d[i] - a[i]);
     }
-    EXPECT_GT(std::acos(dot / std::sqrt(ab * ad)) * 180 / std::numbers::pi, 15) << "corner " << c;
+    smallest = std::min(smallest, std::acos(dot / std::sqrt(ab * ad)) * 180 / std::numbers::pi);
   }
+  return smallest;
+}
+
+class Garment : public testing::TestWithParam<double> {};
+
+TEST_P(Garment, IsADiskOfUsefulTriangles) {
+  const client::SurfaceMesh mesh = MakeGarment(GetParam());
+  ExpectDisk(mesh.vertex_count(), mesh.triangles);
+  EXPECT_GT(SmallestAngle(mesh), 15);
   EXPECT_EQ(FormatObj(mesh), FormatObj(MakeGarment(GetParam())));
 }
 
 INSTANTIATE_TEST_SUITE_P(Edges, Garment, testing::Values(0.8, kGarmentEdge, 5.0, 8.0));
+
+class Face : public testing::TestWithParam<double> {};
+
+TEST_P(Face, IsADiskThatLooksAlongZ) {
+  const client::SurfaceMesh mesh = MakeFace(GetParam());
+  ExpectDisk(mesh.vertex_count(), mesh.triangles);
+  EXPECT_GT(SmallestAngle(mesh), 8);
+  EXPECT_EQ(FormatObj(mesh), FormatObj(MakeFace(GetParam())));
+  double z = 0;  // of the area vector
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
+    const auto corner = [&](std::size_t k) { return &mesh.vertices[3 * mesh.triangles[t + k]]; };
+    const double *a = corner(0), *b = corner(1), *c = corner(2);
+    z += (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+  }
+  EXPECT_GT(z, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Edges, Face, testing::Values(0.4, kFaceEdge, 2.0));
 
 }  // namespace
 }  // namespace arap::cli

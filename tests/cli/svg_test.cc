@@ -6,8 +6,8 @@
 
 #include "client/cli/svg/animation.h"
 #include "client/cli/svg/document.h"
-#include "client/cli/svg/layout.h"
 #include "client/cli/svg/mesh_lines.h"
+#include "client/cli/svg/strain.h"
 #include "client/cli/svg/view.h"
 
 namespace arap::cli {
@@ -117,21 +117,30 @@ TEST(Svg, SheetHasFirstAndLastFrame) {
   EXPECT_THAT(svg, HasSubstr("frame 0<"));
 }
 
-TEST(Svg, LayoutColoursByTheLargerPrincipalStrain) {
+TEST(Strain, IsTheOneThatIsFartherFromZero) {
   EXPECT_NEAR(PrincipalStrainPercent(1.1, 0.95), 10, 1e-9);
   EXPECT_NEAR(PrincipalStrainPercent(1.01, 0.9), -10, 1e-9);
-  const std::vector<double> singular_values{1.04, 1, 1, 0.98};
-  const std::string svg = FormatLayout({kCorners, kSquare, singular_values, {"one", "two"}});
-  EXPECT_THAT(svg, HasSubstr("+5 %"));
-  EXPECT_THAT(svg, HasSubstr("larger principal strain"));
-  EXPECT_THAT(svg, HasSubstr(">two<"));
-  EXPECT_EQ(Count(svg, "<path"), 3u);  // two shades and the outline
+  // Triangles that were left out have no strain, those that are infinitely long none to draw.
+  EXPECT_NEAR(LargestStrainPercent(std::vector<double>{1.04, 1, 0, 0, INFINITY, 1, 1, 0.93}), 7,
+              1e-9);
+  EXPECT_EQ(LargestStrainPercent({}), 0);
 }
 
-TEST(Svg, LayoutOfAnIsometryIsWhite) {
-  const std::vector<double> singular_values{1, 1, 1, 1};
-  const std::string svg = FormatLayout({kCorners, kSquare, singular_values, {}});
-  EXPECT_THAT(svg, HasSubstr("<path fill=\"#fafafa\""));
+TEST(Strain, RangesAreRound) {
+  EXPECT_NEAR(StrainRange(4), 5, 1e-12);
+  EXPECT_NEAR(StrainRange(0.11), 0.2, 1e-12);
+  EXPECT_NEAR(StrainRange(70), 100, 1e-12);
+  EXPECT_NEAR(StrainRange(0), 1e-6, 1e-18);
+}
+
+TEST(Strain, TrianglesAreGroupedByColour) {
+  const auto shades = TrianglesByShade(kSquare, std::vector<double>{1.04, 1, 1, 0.98}, 4);
+  ASSERT_EQ(shades.size(), 2u);
+  EXPECT_THAT(shades.at(kStrainShades), ElementsAre(ElementsAre(0, 1, 2)));
+  EXPECT_THAT(shades.at(-kStrainShades / 2), ElementsAre(ElementsAre(0, 2, 3)));
+  const auto white = TrianglesByShade(kSquare, std::vector<double>{1, 1, 1, 1}, 1e-6);
+  EXPECT_EQ(white.at(0).size(), 2u);
+  EXPECT_EQ(StrainColor(0), "#fafafa");
 }
 
 }  // namespace

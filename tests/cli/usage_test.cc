@@ -18,7 +18,7 @@ TEST_F(Usage, Version) {
 
 TEST_F(Usage, HelpOfEveryCommand) {
   EXPECT_EQ(Arapctl({"--help"}).code, 0);
-  for (const char* command : {"info", "bake", "drag", "flatten", "load", "sample"}) {
+  for (const char* command : {"info", "bake", "drag", "flatten", "load", "sample", "figures"}) {
     EXPECT_THAT(Arapctl({"--help"}).out, HasSubstr(command));
     const Outcome outcome = Arapctl({command, "--help"});
     EXPECT_EQ(outcome.code, 0) << command;
@@ -41,6 +41,9 @@ TEST_F(Usage, WrongCommandLinesEndWithTwo) {
       {"drag", "a.obj", "b.json", "--spawn", "--pick", "1,2,3"},
       {"drag", "a.obj", "b.json", "--spawn", "--pick", "nan,2"},
       {"flatten", "a.obj", "--spawn", "--out", "b.obj", "--basis", "vertex"},
+      {"flatten", "a.obj", "--spawn"},  // nothing to write
+      {"flatten", "a.obj", "--spawn", "--out", "b.obj", "--method", "magic"},
+      {"flatten", "a.obj", "--spawn", "--out", "b.obj", "--grain", "1"},
       {"load", "--spawn", "--streams", "0"},
       {"sample", "dragon", "--out", "a.obj"},
       {"sample", "character"},

@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 
 namespace arap::cli {
-namespace {
 
-std::string Escaped(std::string_view text) {
+std::string SvgEscaped(std::string_view text) {
   std::string out;
   for (const char c : text) {
     switch (c) {
@@ -28,8 +27,6 @@ std::string Escaped(std::string_view text) {
   return out;
 }
 
-}  // namespace
-
 std::string SvgDocument(double width, double height, std::string_view body) {
   return fmt::format(
       R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0:.0f} {1:.0f}" width="{0:.0f}" height="{1:.0f}">)"
@@ -41,7 +38,7 @@ std::string SvgText(double x, double y, double size, std::string_view text) {
   return fmt::format(
       R"(<text x="{:.0f}" y="{:.0f}" font-family="sans-serif" font-size="{:.0f}" fill="#4a4038">{}</text>)"
       "\n",
-      x, y, size, Escaped(text));
+      x, y, size, SvgEscaped(text));
 }
 
 }  // namespace arap::cli

@@ -9,6 +9,9 @@ namespace arap::cli {
 // The whole file: a view box from the origin, a light ground, then `body`.
 std::string SvgDocument(double width, double height, std::string_view body);
 
+// With everything replaced that XML gives a meaning.
+std::string SvgEscaped(std::string_view text);
+
 // One line of text; `x`, `y` is the left end of its base line. Escapes what XML wants escaped.
 std::string SvgText(double x, double y, double size, std::string_view text);
 

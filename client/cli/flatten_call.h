@@ -1,0 +1,25 @@
+// One flattening, waited for by a person.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "arap/client/client.h"
+
+namespace arap::cli {
+
+// Flattens in double precision with singular values, and checks that the answer fits the mesh. When
+// that takes more than a second, a terminal is told what is going on and for how long. Ctrl-C
+// cancels the call (kCancelled), a second one ends the program. Not from several threads at once.
+Result<client::FlatSurface> FlattenWaiting(const client::Client& client,
+                                           const client::SurfaceMesh& mesh,
+                                           client::FlattenOptions options,
+                                           std::optional<std::chrono::milliseconds> timeout,
+                                           const std::string& what);
+
+// kInternal unless every index and length of the answer is as flatten.h says: an answer of another
+// shape must not make us read past it.
+Status CheckAnswer(const client::SurfaceMesh& mesh, const client::FlatSurface& flat);
+
+}  // namespace arap::cli

@@ -1,0 +1,24 @@
+// Several layouts of one surface side by side.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "arap/client/flatten.h"
+
+namespace arap::cli {
+
+struct ComparisonPanel {
+  std::string label;
+  client::FlatSurface flat;        // with singular values
+  std::vector<std::string> lines;  // beneath the picture
+};
+
+// For each panel the surface from in front with a checkerboard that the layout maps onto it, and
+// the layout at the scale of the surface, turned to the same side and coloured by strain; one scale
+// and one legend for all. A panel without flat positions shows its lines alone.
+std::string FormatComparison(const client::SurfaceMesh& mesh,
+                             const std::vector<ComparisonPanel>& panels,
+                             const std::string& caption);
+
+}  // namespace arap::cli

@@ -1,0 +1,203 @@
+// Seams, pins and grain lines as they are written in files and on the command line.
+#include "client/cli/flatten_inputs.h"
+
+#include <gmock/gmock.h>
+
+#include "client/cli/flatten_flags.h"
+
+namespace arap::cli {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr std::size_t kVertices = 9;
+
+std::string SeamFault(const std::string& text) {
+  const auto seams = ParseSeams(text, "s.txt", kVertices);
+  return seams ? "no fault" : seams.error().message;
+}
+
+std::string PinFault(const std::string& text) {
+  const auto pins = ParsePins(text, "p.txt", kVertices);
+  return pins ? "no fault" : pins.error().message;
+}
+
+TEST(Seams, LinesArePathsOfVerticesFromOne) {
+  const auto seams =
+      ParseSeams("# along the back\n1 2\n\n  3 4 9   # a path\r\n", "s.txt", kVertices);
+  ASSERT_TRUE(seams) << seams.error().message;
+  EXPECT_THAT(*seams, ElementsAre(0, 1, 2, 3, 3, 8));
+  const auto none = ParseSeams("# nothing\n", "s.txt", kVertices);
+  ASSERT_TRUE(none);
+  EXPECT_THAT(*none, IsEmpty());
+}
+
+TEST(Seams, JsonCountsFromZeroInAnyOfItsForms) {
+  for (const char* text : {"[[0, 1], [2, 8]]", " [0, 1, 2, 8]",
+                           "{\"vertices\": 9, \"cut_edges\": [[0, 1], [2, 8]]}"}) {
+    const auto seams = ParseSeams(text, "s.json", kVertices);
+    ASSERT_TRUE(seams) << seams.error().message;
+    EXPECT_THAT(*seams, ElementsAre(0, 1, 2, 8)) << text;
+  }
+}
+
+TEST(Seams, FaultsNameTheLine) {
+  EXPECT_EQ(SeamFault("1 2\n\n0 1\n"), "s.txt:3: vertex 0: vertices count from 1");
+  EXPECT_EQ(SeamFault("1 10\n"), "s.txt:1: vertex 10: the surface has 9");
+  EXPECT_EQ(SeamFault("1 2\n1 -2\n"), "s.txt:2: vertex -2: vertices count from 1");
+  EXPECT_EQ(SeamFault("1 two\n"), "s.txt:1: 'two' is not the number of a vertex");
+  EXPECT_EQ(SeamFault("1 2.0\n"), "s.txt:1: '2.0' is not the number of a vertex");
+  EXPECT_EQ(SeamFault("#\n7\n"), "s.txt:2: a seam goes from one vertex to another");
+  EXPECT_EQ(SeamFault("1 99999999999999999999\n"),
+            "s.txt:1: '99999999999999999999' is not the number of a vertex");
+}
+
+TEST(Seams, JsonFaultsNameTheElement) {
+  EXPECT_THAT(SeamFault("[[0, 1], [2]]"), HasSubstr("element 1: [2] is not a pair"));
+  EXPECT_THAT(SeamFault("[[0, 9]]"),
+              HasSubstr("element 0: 9 is not a vertex: they go from 0 to 8"));
+  EXPECT_THAT(SeamFault("[[0, -1]]"), HasSubstr("-1 is not a vertex"));
+  EXPECT_THAT(SeamFault("[0, 1, 2]"), HasSubstr("3 vertices do not make pairs"));
+  EXPECT_THAT(SeamFault("[0, 1"), HasSubstr("not JSON"));
+  EXPECT_THAT(SeamFault("{\"edges\": []}"), HasSubstr("cut_edges"));
+}
+
+TEST(Pins, LinesAreVertexPlaceAndWeight) {
+  const auto pins = ParsePins("1 0.5 -2e1 # a corner\n9 1 1 100\n", "p.txt", kVertices);
+  ASSERT_TRUE(pins) << pins.error().message;
+  ASSERT_EQ(pins->size(), 2u);
+  EXPECT_EQ((*pins)[0].vertex, 0u);
+  EXPECT_EQ((*pins)[0].u, 0.5);
+  EXPECT_EQ((*pins)[0].v, -20);
+  EXPECT_EQ((*pins)[0].weight, 0);
+  EXPECT_EQ((*pins)[1].vertex, 8u);
+  EXPECT_EQ((*pins)[1].weight, 100);
+}
+
+TEST(Pins, FaultsNameTheLine) {
+  EXPECT_EQ(PinFault("1 0 0\n2 0\n"), "p.txt:2: a pin is 'vertex u v [weight]', these are 2 words");
+  EXPECT_THAT(PinFault("1 0 0 1 1\n"), HasSubstr("p.txt:1: a pin is"));
+  EXPECT_EQ(PinFault("1 0 here\n"), "p.txt:1: 'here' is not a finite number");
+  EXPECT_EQ(PinFault("1 0 nan\n"), "p.txt:1: 'nan' is not a finite number");
+  EXPECT_EQ(PinFault("1 0 1e999\n"), "p.txt:1: '1e999' is not a finite number");
+  EXPECT_THAT(PinFault("1 0 0 -1\n"), HasSubstr("p.txt:1: a weight is not negative"));
+  EXPECT_EQ(PinFault("\n10 0 0\n"), "p.txt:2: vertex 10: the surface has 9");
+}
+
+TEST(Grain, IsTwoVerticesAndPerhapsAnAngle) {
+  const auto line = ParseGrain("3,7");
+  ASSERT_TRUE(line) << line.error().message;
+  EXPECT_EQ(line->from_vertex, 2u);
+  EXPECT_EQ(line->to_vertex, 6u);
+  EXPECT_EQ(line->angle_degrees, 0);
+  const auto turned = ParseGrain("3,7,-45.5");
+  ASSERT_TRUE(turned);
+  EXPECT_EQ(turned->angle_degrees, -45.5);
+  for (const char* bad : {"", "3", "3,", "3,7,", "3,7,up", "3,7,1,2", "a,7", "0,7", "3,7,nan"}) {
+    EXPECT_FALSE(ParseGrain(bad)) << bad;
+  }
+  EXPECT_TRUE(CheckGrain(*line, 7));
+  EXPECT_EQ(CheckGrain(*line, 6).error().message, "--grain: vertex 7: the surface has 6");
+}
+
+// The flags as a command line gives them.
+Result<FlattenFlags> Parse(std::vector<std::string> words) {
+  CLI::App app;
+  FlattenFlags flags;
+  AddFlattenFlags(app, flags);
+  words.insert(words.begin(), {"a.obj", "--spawn"});
+  std::reverse(words.begin(), words.end());  // as CLI11 wants them
+  try {
+    app.parse(words);
+  } catch (const CLI::ParseError& error) {
+    return Fail(FaultKind::kInvalidOption, error.what());
+  }
+  return flags;
+}
+
+TEST(FlattenFlags, SayWhatTheyAreCalled) {
+  const auto flags = Parse({"--out",
+                            "b.obj",
+                            "--method",
+                            "arap-edge",
+                            "--weights",
+                            "uniform",
+                            "--basis",
+                            "edge-as-published",
+                            "--anchors",
+                            "far-boundary",
+                            "--refine",
+                            "7",
+                            "--refine-stop",
+                            "0.01",
+                            "--injective",
+                            "--auto-cut",
+                            "--surface-key",
+                            "skirt",
+                            "--split-non-manifold",
+                            "--tolerate-degenerate",
+                            "--unit",
+                            "in",
+                            "--grain",
+                            "1,2",
+                            "--grain",
+                            "3,4,90",
+                            "--timeout",
+                            "1.5",
+                            "--allowance",
+                            "10"});
+  ASSERT_TRUE(flags) << flags.error().message;
+  const client::FlattenOptions& options = flags->options;
+  EXPECT_EQ(options.method, client::FlattenMethod::kArapEdge);
+  EXPECT_EQ(options.energy.weights, client::EdgeWeights::kUniform);
+  EXPECT_EQ(options.energy.basis, client::Basis::kEdgeAsPublished);
+  EXPECT_EQ(options.anchors, client::FlattenAnchors::kFarBoundary);
+  EXPECT_EQ(options.refine, 7u);
+  EXPECT_EQ(options.refine_stop, 0.01);
+  EXPECT_TRUE(options.injective && options.auto_cut && options.split_non_manifold &&
+              options.tolerate_degenerate);
+  EXPECT_EQ(options.surface_key, "skirt");
+  EXPECT_EQ(flags->millimetres_per_unit, 25.4);
+  EXPECT_EQ(flags->allowance, 10);
+  EXPECT_EQ(flags->timeout(), std::chrono::milliseconds(1500));
+  const auto read = ReadOptions(*flags, kVertices);
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->grain_lines.size(), 2u);
+  EXPECT_EQ(read->grain_lines[1].from_vertex, 2u);
+  EXPECT_EQ(read->grain_lines[1].angle_degrees, 90);
+}
+
+TEST(FlattenFlags, LeaveEverythingElseToTheServer) {
+  const auto flags = Parse({"--dxf", "b.dxf"});
+  ASSERT_TRUE(flags) << flags.error().message;
+  EXPECT_EQ(flags->options.method, client::FlattenMethod::kDefault);
+  EXPECT_EQ(flags->options.anchors, client::FlattenAnchors::kDefault);
+  EXPECT_EQ(flags->options.energy.basis, client::Basis::kDefault);
+  EXPECT_FALSE(flags->options.refine || flags->options.refine_stop || flags->options.injective);
+  EXPECT_EQ(flags->millimetres_per_unit, 1);
+  EXPECT_EQ(flags->timeout(), std::nullopt);
+}
+
+TEST(FlattenFlags, RefuseWhatTheyDoNotKnow) {
+  const std::vector<std::vector<std::string>> wrong{
+      {},  // nothing to write
+      {"--out", "b.obj", "--method", "magic"},
+      {"--out", "b.obj", "--anchors", "middle"},
+      {"--out", "b.obj", "--unit", "parsec"},
+      {"--out", "b.obj", "--grain", "1"},
+      {"--out", "b.obj", "--grain", "0,1"},
+      {"--out", "b.obj", "--timeout", "0"},
+      {"--out", "b.obj", "--timeout", "nan"},
+      {"--out", "b.obj", "--allowance", "-1"},
+      {"--out", "b.obj", "--refine-stop", "2"},
+      {"--out", "b.obj", "--refine-stop", "nan"},
+      {"--out", "b.obj", "--refine", "-1"},
+      {"--out", "b.obj", "--basis", "vertex"},
+  };
+  for (const auto& words : wrong) EXPECT_FALSE(Parse(words)) << testing::PrintToString(words);
+}
+
+}  // namespace
+}  // namespace arap::cli

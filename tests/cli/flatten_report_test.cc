@@ -1,0 +1,90 @@
+#include "client/cli/flatten_report.h"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "client/cli/flatten_call.h"
+#include "client/cli/flatten_inputs.h"
+
+namespace arap::cli {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const client::SurfaceMesh kTriangle{{0, 0, 0, 3, 0, 0, 0, 4, 0}, {0, 1, 2}};
+
+client::FlatSurface FlatTriangle() {
+  client::FlatSurface flat;
+  flat.uv = {0, 0, 3, 0, 0, 4};
+  flat.uv_vertex = {0, 1, 2};
+  flat.corner_uv = {0, 1, 2};
+  flat.singular_values = {1, 1};
+  flat.triangle_chart = {0};
+  flat.charts.resize(1);
+  flat.charts[0].loops = {{0, 1, 2}};
+  flat.charts[0].triangle_count = 1;
+  flat.charts[0].refinements = 3;
+  flat.charts[0].distortion.arap_energy = 0.25;
+  flat.distortion.worst_triangle = 7;
+  flat.cut_edges = {0, 1, 2, 1};
+  flat.auto_cut_count = 1;
+  flat.left_out_triangles = {5};
+  flat.boundary_overlaps = true;
+  flat.warnings.push_back({"unreferenced_vertices", 2, {8, 9}, "2 vertices"});
+  flat.solve_micros = 12.5;
+  return flat;
+}
+
+TEST(FlattenReport, HasEverythingThatIsKnown) {
+  const auto report = nlohmann::json::parse(JsonReport(kTriangle, FlatTriangle()));
+  EXPECT_EQ(report["vertices"], 3);
+  EXPECT_EQ(report["distortion"]["worst_triangle"], 7);
+  ASSERT_EQ(report["charts"].size(), 1u);
+  const auto& chart = report["charts"][0];
+  EXPECT_EQ(chart["boundaries"][0]["positions"], 3);
+  EXPECT_EQ(chart["boundaries"][0]["length"], 12);
+  EXPECT_EQ(chart["refinements"], 3);
+  EXPECT_EQ(chart["distortion"]["arap_energy"], 0.25);
+  EXPECT_EQ(report["cut_edges"], nlohmann::json::parse("[[0, 1], [2, 1]]"));
+  EXPECT_EQ(report["auto_cut_count"], 1);
+  EXPECT_EQ(report["left_out_triangles"][0], 5);
+  EXPECT_EQ(report["boundary_overlaps"], true);
+  EXPECT_EQ(report["warnings"][0]["elements"][1], 9);
+  EXPECT_EQ(report["solve_micros"], 12.5);
+}
+
+TEST(FlattenReport, IsAFileOfSeams) {
+  const auto seams = ParseSeams(JsonReport(kTriangle, FlatTriangle()), "report.json", 3);
+  ASSERT_TRUE(seams) << seams.error().message;
+  EXPECT_THAT(*seams, ElementsAre(0, 1, 2, 1));
+}
+
+TEST(FlattenReport, SummaryTellsOfCutsAndOverlaps) {
+  client::FlatSurface flat = FlatTriangle();
+  EXPECT_THAT(Summary(kTriangle, flat).back(),
+              HasSubstr("1 piece, 2 edges cut, 1 of them automatically; the outline overlaps"));
+  flat.cut_edges.clear();
+  flat.boundary_overlaps = false;
+  EXPECT_EQ(Summary(kTriangle, flat).size(), 3u);
+}
+
+TEST(FlattenCall, AnswersThatDoNotFitAreRefused) {
+  EXPECT_TRUE(CheckAnswer(kTriangle, FlatTriangle()));
+  const auto refused = [](auto change) {
+    client::FlatSurface flat = FlatTriangle();
+    change(flat);
+    return !CheckAnswer(kTriangle, flat);
+  };
+  EXPECT_TRUE(refused([](auto& flat) { flat.corner_uv[1] = 3; }));
+  EXPECT_TRUE(refused([](auto& flat) { flat.corner_uv.pop_back(); }));
+  EXPECT_TRUE(refused([](auto& flat) { flat.uv.pop_back(); }));
+  EXPECT_TRUE(refused([](auto& flat) { flat.uv_vertex[0] = 3; }));
+  EXPECT_TRUE(refused([](auto& flat) { flat.singular_values.clear(); }));
+  EXPECT_TRUE(refused([](auto& flat) { flat.charts[0].loops[0][0] = 9; }));
+  EXPECT_TRUE(refused([](auto& flat) { flat.triangle_chart.clear(); }));
+  EXPECT_TRUE(refused([](auto& flat) { flat.cut_edges[0] = 3; }));
+}
+
+}  // namespace
+}  // namespace arap::cli
