@@ -1,4 +1,4 @@
-// arapctl figures: Figures 2 and 3 of [II09], drawn from what a server answers.
+// arapctl figures: Figures 2, 3 and 6 of [II09], drawn from what a server answers.
 #include <memory>
 #include <string>
 #include <vector>
@@ -6,10 +6,14 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands.h"
+#include "client/cli/compare.h"
 #include "client/cli/connection.h"
+#include "client/cli/flatten_call.h"
 #include "client/cli/report.h"
 #include "client/cli/sample/character.h"
+#include "client/cli/sample/face.h"
 #include "client/cli/svg/animation.h"
+#include "client/cli/svg/comparison.h"
 #include "client/cli/text_file.h"
 #include "client/cli/track.h"
 
@@ -97,10 +101,8 @@ class Puppet {
   Film film_;
 };
 
-Status Draw(const FiguresOptions& options) {
-  const Result<Connection> connection = Connection::Open(options.server);
-  if (!connection) return Fail(connection.error());
-  auto session = connection->client().CreateSession();
+Status DrawDeformations(const client::Client& client, const std::string& folder) {
+  auto session = client.CreateSession();
   if (!session) return Fail(session.error());
   Puppet puppet(*session);
   using client::Basis;
@@ -120,18 +122,40 @@ Status Draw(const FiguresOptions& options) {
   }
   const Film third = puppet.Take("One pose in the three representations");
   if (auto ok = session->Delete(); !ok) return ok;
-  if (auto ok = WriteTextFile(options.out + "/figure2.svg", FormatSheet(second, 3)); !ok) return ok;
-  return WriteTextFile(options.out + "/figure3.svg", FormatSheet(third, 3));
+  if (auto ok = WriteTextFile(folder + "/figure2.svg", FormatSheet(second, 3)); !ok) return ok;
+  return WriteTextFile(folder + "/figure3.svg", FormatSheet(third, 3));
+}
+
+Status DrawFlattenings(const client::Client& client, const std::string& folder) {
+  const client::SurfaceMesh face = MakeFace(kFaceEdge);
+  const auto panels =
+      CompareMethods({}, [&](const client::FlattenOptions& options, const std::string& what) {
+        return FlattenWaiting(client, face, options, std::nullopt, what);
+      });
+  if (!panels) return Fail(panels.error());
+  return WriteTextFile(
+      folder + "/figure6.svg",
+      FormatComparison(face, *panels,
+                       "A face laid flat; the squares have one size on every layout"));
+}
+
+Status Draw(const FiguresOptions& options) {
+  const Result<Connection> connection = Connection::Open(options.server);
+  if (!connection) return Fail(connection.error());
+  if (auto ok = DrawDeformations(connection->client(), options.out); !ok) return ok;
+  return DrawFlattenings(connection->client(), options.out);
 }
 
 }  // namespace
 
 void AddFigures(CLI::App& app, Run& run) {
   auto options = std::make_shared<FiguresOptions>();
-  CLI::App* const command = app.add_subcommand(
-      "figures", "Draw Figures 2 and 3 of the paper: the two steps, the three representations");
+  CLI::App* const command = app.add_subcommand("figures",
+                                               "Draw Figures 2, 3 and 6 of the paper: the two "
+                                               "steps, the three representations, flattenings");
   AddServerFlags(*command, options->server);
-  command->add_option("--out", options->out, "the folder for figure2.svg and figure3.svg");
+  command->add_option("--out", options->out,
+                      "the folder for figure2.svg, figure3.svg and figure6.svg");
   command->callback([options, &run] {
     run = [options] {
       const Status drawn = Draw(*options);
