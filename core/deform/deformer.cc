@@ -47,7 +47,7 @@ class Deformer::Scratch {
       positions.emplace_back(vertices);
       next_.emplace_back(vertices.size());
     }
-    force_.resize(2 * vertices.size() * (lanes == 1 ? 1 : lanes + lanes % 2));
+    force_.resize(2 * vertices.size() * lanes);
     set_.solver->Prepare(solver_);
   }
 
@@ -83,17 +83,8 @@ class Deformer::Scratch {
     }
     const double* solution = nullptr;
     if (set_.solver->NeedsRigidSolve(turned)) {
-      // CHOLMOD has other kernels for two columns than for four, which round differently. Several
-      // lanes always take the one for four, so that a shape does not depend on how many came with
-      // it.
-      std::size_t filled = count;
-      if (frames_.size() > 1 && filled % 2 == 1) {
-        const auto lane = std::span(force_).subspan(filled * size, size);
-        std::fill(lane.begin(), lane.end(), 0.0);
-        ++filled;
-      }
-      const auto all = set_.solver->rigid_factor().Solve(std::span(force_).first(filled * size),
-                                                         2 * filled, solver_.workspace);
+      const auto all = set_.solver->rigid_factor().Solve(std::span(force_).first(count * size),
+                                                         2 * count, solver_.workspace);
       if (all.empty()) return Fail(FaultKind::kNumerical, "a back-substitution ran out of memory");
       solution = all.data();
     }

@@ -83,12 +83,12 @@ Status DirectSolver::FactorWith(const CompiledHandlesParts& parts, const CancelT
   }
   if (auto ok = cancel.Check(); !ok) return ok;
   auto similarity = Factor<Complex>::Make(WithRows(AssembleSimilarity(mesh_->cells, fixed_), rows_),
-                                          FactorLayout::kSupernodal, mesh_->similarity->order());
+                                          FactorLayout::kPacked, mesh_->similarity->order());
   if (!similarity) return Fail(std::move(similarity.error()));
   similarity_ = std::move(*similarity);
   if (auto ok = cancel.Check(); !ok) return ok;
   auto rigid = Factor<double>::Make(WithRows(AssembleRigid(mesh_->cells, fixed_), rows_),
-                                    FactorLayout::kSimplicial, mesh_->similarity->order());
+                                    FactorLayout::kPacked, mesh_->rigid->order());
   if (!rigid) return Fail(std::move(rigid.error()));
   rigid_ = std::move(*rigid);
   return cancel.Check();

@@ -1,12 +1,15 @@
 #include "core/sparse/factor.h"
 
 #include <mutex>
+#include <optional>
+#include <type_traits>
 
 #include <cholmod.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
 
 #include "core/base/stopwatch.h"
+#include "core/sparse/packed_factor.h"
 
 namespace arap {
 namespace {
@@ -85,6 +88,28 @@ bool HasPositivePivots(const cholmod_factor& f) {
   return true;
 }
 
+int CholmodMode(FactorLayout layout) {
+  switch (layout) {
+    case FactorLayout::kSupernodal:
+      return CHOLMOD_AUTO;
+    case FactorLayout::kSimplicial:
+      return CHOLMOD_SIMPLICIAL;
+    case FactorLayout::kPacked:
+      return CHOLMOD_SUPERNODAL;
+  }
+  return CHOLMOD_AUTO;
+}
+
+template <class Scalar>
+PackedFactor<Scalar> Packed(const cholmod_factor& f) {
+  const auto view = [](const void* data, std::size_t size) {
+    return std::span(static_cast<const int*>(data), size);
+  };
+  return PackedFactor<Scalar>({view(f.super, f.nsuper + 1), view(f.pi, f.nsuper + 1),
+                               view(f.s, f.ssize), view(f.px, f.nsuper + 1),
+                               static_cast<const Scalar*>(f.x), view(f.Perm, f.n)});
+}
+
 const char* StatusText(int status) {
   switch (status) {
     case CHOLMOD_NOT_POSDEF:
@@ -104,9 +129,24 @@ const char* StatusText(int status) {
 
 class FactorData {
  public:
-  ~FactorData() { cholmod_free_factor(&factor, common.get()); }
+  ~FactorData() { DropCholmod(); }
+  void DropCholmod() { cholmod_free_factor(&factor, common.get()); }
+
+  template <class Scalar>
+  auto& packed() {
+    if constexpr (std::is_same_v<Scalar, double>) {
+      return real;
+    } else {
+      return complex;
+    }
+  }
+
   Common common;
-  cholmod_factor* factor = nullptr;
+  FactorLayout layout = FactorLayout::kSupernodal;
+  cholmod_factor* factor = nullptr;  // nullptr once it is packed for good
+  // The one of the factor's scalar, when it is packed.
+  std::optional<PackedFactor<double>> real;
+  std::optional<PackedFactor<std::complex<double>>> complex;
 };
 
 class Workspace::Data {
@@ -125,6 +165,8 @@ class Workspace::Data {
   }
   Common common;
   Buffers real, complex;
+  // Of packed factors: the answer, and rows of a few columns together.
+  std::vector<double> x, lanes;
 };
 
 Workspace::Workspace() : data_(std::make_unique<Data>()) {}
@@ -144,7 +186,8 @@ Result<std::unique_ptr<Factor<Scalar>>> Factor<Scalar>::Analyse(
   Stopwatch watch;
   auto data = std::make_unique<FactorData>();
   cholmod_common* common = data->common.get();
-  common->supernodal = layout == FactorLayout::kSupernodal ? CHOLMOD_AUTO : CHOLMOD_SIMPLICIAL;
+  data->layout = layout;
+  common->supernodal = CholmodMode(layout);
   common->final_ll = 0;
   common->nmethods = 1;
   common->method[0].ordering = order.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
@@ -175,6 +218,8 @@ Status Factor<Scalar>::Again(const Eigen::SparseMatrix<Scalar>& lower) {
     return Fail(FaultKind::kNumerical,
                 fmt::format("factoring {} unknowns: {}", lower.rows(), StatusText(status)));
   }
+  if (data_->layout == FactorLayout::kPacked)
+    data_->packed<Scalar>() = Packed<Scalar>(*data_->factor);
   return {};
 }
 
@@ -184,6 +229,7 @@ Result<std::shared_ptr<const Factor<Scalar>>> Factor<Scalar>::Make(
   auto factor = Analyse(lower, layout, order);
   if (!factor) return Fail(std::move(factor.error()));
   if (auto ok = (*factor)->Again(lower); !ok) return Fail(std::move(ok.error()));
+  if (layout == FactorLayout::kPacked) (*factor)->data_->DropCholmod();
   return std::shared_ptr<const Factor>(std::move(*factor));
 }
 
@@ -191,6 +237,15 @@ template <class Scalar>
 std::span<const Scalar> Factor<Scalar>::Solve(std::span<const Scalar> right, std::size_t columns,
                                               Workspace& workspace) const {
   Workspace::Data& scratch = workspace.data();
+  if (const auto& packed = data_->packed<Scalar>()) {
+    const std::size_t count = size() * columns, numbers = count * sizeof(Scalar) / sizeof(double);
+    if (scratch.x.size() < numbers) scratch.x.resize(numbers);
+    if (scratch.lanes.size() < packed->ScratchSize()) scratch.lanes.resize(packed->ScratchSize());
+    // A complex number is two doubles in a row, says the standard.
+    auto* x = reinterpret_cast<Scalar*>(scratch.x.data());
+    packed->Solve(right.data(), columns, x, scratch.lanes);
+    return {x, count};
+  }
   auto& buffers = kXtype<Scalar> == CHOLMOD_REAL ? scratch.real : scratch.complex;
   cholmod_dense view{};
   view.nrow = view.d = size();
@@ -208,20 +263,26 @@ std::span<const Scalar> Factor<Scalar>::Solve(std::span<const Scalar> right, std
 
 template <class Scalar>
 std::size_t Factor<Scalar>::size() const {
-  return data_->factor->n;
+  return order().size();
 }
 
 template <class Scalar>
 std::span<const int> Factor<Scalar>::order() const {
+  if (const auto& packed = data_->packed<Scalar>()) return packed->order();
   return {static_cast<const int*>(data_->factor->Perm), data_->factor->n};
 }
 
 template <class Scalar>
 std::size_t Factor<Scalar>::bytes() const {
-  const cholmod_factor& f = *data_->factor;
-  const std::size_t numbers = f.is_super ? f.xsize : f.nzmax;
-  const std::size_t indices = f.is_super ? f.ssize : f.nzmax;
-  return numbers * sizeof(Scalar) + indices * sizeof(int) + f.n * 8 * sizeof(int);
+  const auto& packed = data_->packed<Scalar>();
+  std::size_t bytes = packed ? packed->bytes() : 0;
+  if (data_->factor) {
+    const cholmod_factor& f = *data_->factor;
+    const std::size_t numbers = f.is_super ? f.xsize : f.nzmax;
+    const std::size_t indices = f.is_super ? f.ssize : f.nzmax;
+    bytes += numbers * sizeof(Scalar) + indices * sizeof(int) + f.n * 8 * sizeof(int);
+  }
+  return bytes;
 }
 
 template class Factor<double>;

@@ -17,9 +17,14 @@
 
 namespace arap {
 
-// How the factor is stored: supernodes solve many columns fast, simplicial columns solve one or two
-// fast.
-enum class FactorLayout { kSupernodal, kSimplicial };
+// How the factor is stored.
+//
+// kSupernodal: dense blocks for BLAS; the fastest to factor, and to solve many columns with.
+// kSimplicial: column by column; good for small matrices.
+// kPacked: factored like kSupernodal, then laid out anew (packed_factor.h); the fastest to solve a
+// few columns with, or columns with few numbers other than 0. Every column has the same bytes
+// whatever its neighbours.
+enum class FactorLayout { kSupernodal, kSimplicial, kPacked };
 
 class FactorData;
 

@@ -1,0 +1,136 @@
+#include "core/sparse/packed_factor.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+
+namespace arap {
+namespace {
+
+template <class Scalar>
+constexpr std::size_t kNumbers = sizeof(Scalar) / sizeof(double);
+
+double* Put(double* out, double x) {
+  *out = x;
+  return out + 1;
+}
+double* Put(double* out, std::complex<double> x) {
+  out[0] = x.real();
+  out[1] = x.imag();
+  return out + 2;
+}
+
+// Writes the inverse of the lower triangle of a dense block, row by row.
+template <class Scalar>
+double* PutInverse(const Scalar* block, std::size_t stride, std::size_t width, double* out) {
+  Scalar inverse[kPanelWidth][kPanelWidth];
+  for (std::size_t i = 0; i < width; ++i) {
+    const Scalar pivot = Scalar(1) / block[i * stride + i];
+    for (std::size_t j = 0; j < i; ++j) {
+      Scalar sum(0);
+      for (std::size_t k = j; k < i; ++k) sum += block[k * stride + i] * inverse[k][j];
+      inverse[i][j] = -sum * pivot;
+      out = Put(out, inverse[i][j]);
+    }
+    inverse[i][i] = pivot;
+    out = Put(out, pivot);
+  }
+  return out;
+}
+
+}  // namespace
+
+template <class Scalar>
+PackedFactor<Scalar>::PackedFactor(const Supernodes<Scalar>& l)
+    : order_(l.order.begin(), l.order.end()) {
+  std::size_t numbers = 0, panels = 0;
+  constexpr std::size_t kColumns = kPanelWidth / kNumbers<Scalar>;
+  for (std::size_t s = 0; s + 1 < l.first.size(); ++s) {
+    const auto width = static_cast<std::size_t>(l.first[s + 1] - l.first[s]);
+    const auto height = static_cast<std::size_t>(l.rows_begin[s + 1] - l.rows_begin[s]);
+    panels += (width + kColumns - 1) / kColumns;
+    for (std::size_t c = 0; c < width; ++c) numbers += (height - c) * kNumbers<Scalar>;
+  }
+  panels_.panels.reserve(panels);
+  panels_.rows.assign(l.rows.begin(), l.rows.end());
+  panels_.values.resize(numbers);
+  double* out = panels_.values.data();
+  // The last first: the pass from the root to the leaves is the one that is never cut short, and
+  // reads forwards so.
+  for (std::size_t s = l.first.size() - 1; s-- > 0;) out = Pack(l, s, out);
+  std::reverse(panels_.panels.begin(), panels_.panels.end());
+}
+
+template <class Scalar>
+double* PackedFactor<Scalar>::Pack(const Supernodes<Scalar>& l, std::size_t supernode,
+                                   double* out) {
+  const auto first = static_cast<std::size_t>(l.first[supernode]);
+  const auto width = static_cast<std::size_t>(l.first[supernode + 1]) - first;
+  const auto rows = static_cast<std::size_t>(l.rows_begin[supernode]);
+  const auto height = static_cast<std::size_t>(l.rows_begin[supernode + 1]) - rows;
+  const Scalar* block = l.values + l.values_begin[supernode];
+  // Panels of equal width.
+  constexpr std::size_t kColumns = kPanelWidth / kNumbers<Scalar>;
+  const std::size_t panels = (width + kColumns - 1) / kColumns;
+  for (std::size_t p = panels; p-- > 0;) {
+    const std::size_t begin = p * width / panels, end = (p + 1) * width / panels;
+    Panel panel;
+    panel.first = static_cast<std::uint32_t>(first + begin);
+    panel.width = static_cast<std::uint32_t>(end - begin);
+    panel.rows = static_cast<std::uint32_t>(rows + end);
+    panel.count = static_cast<std::uint32_t>(height - end);
+    panel.values = static_cast<std::size_t>(out - panels_.values.data());
+    panels_.panels.push_back(panel);
+    out = PutInverse(block + begin * height + begin, height, end - begin, out);
+    for (std::size_t r = end; r < height; ++r) {
+      for (std::size_t c = begin; c < end; ++c) out = Put(out, block[c * height + r]);
+    }
+  }
+  return out;
+}
+
+template <class Scalar>
+void PackedFactor<Scalar>::Solve(const Scalar* right, std::size_t columns, Scalar* solution,
+                                 std::span<double> scratch, const PackedKernels& kernels) const {
+  const std::size_t n = size();
+  constexpr bool kComplex = kNumbers<Scalar> == 2;
+  void* memory = scratch.data();
+  std::size_t space = scratch.size_bytes();
+  auto* x = static_cast<double*>(
+      std::align(kAlign * sizeof(double), 4 * n * sizeof(double), memory, space));
+  auto* rows = reinterpret_cast<Scalar*>(x);
+  for (std::size_t begin = 0; begin < columns;) {
+    // Columns that are taken together, and those that they are padded to.
+    const std::size_t left = columns - begin;
+    const std::size_t take = std::min<std::size_t>(left, kComplex ? 2 : 4);
+    const std::size_t lanes = kComplex ? take : take > 2 ? 4 : 2;
+    for (std::size_t k = 0; k < n; ++k) {
+      const auto row = static_cast<std::size_t>(order_[k]);
+      for (std::size_t c = 0; c < lanes; ++c) {
+        // −0 becomes 0, or a number's sign could depend on its neighbours.
+        rows[k * lanes + c] = c < take ? right[(begin + c) * n + row] + Scalar(0) : Scalar(0);
+      }
+    }
+    if constexpr (kComplex) {
+      (lanes == 1 ? kernels.complex1 : kernels.complex2)(panels_, x);
+    } else {
+      (lanes == 2 ? kernels.real2 : kernels.real4)(panels_, x);
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      const auto row = static_cast<std::size_t>(order_[k]);
+      for (std::size_t c = 0; c < take; ++c) solution[(begin + c) * n + row] = rows[k * lanes + c];
+    }
+    begin += take;
+  }
+}
+
+template <class Scalar>
+std::size_t PackedFactor<Scalar>::bytes() const {
+  return order_.size() * sizeof(int) + panels_.panels.size() * sizeof(Panel) +
+         panels_.rows.size() * sizeof(std::uint32_t) + panels_.values.size() * sizeof(double);
+}
+
+template class PackedFactor<double>;
+template class PackedFactor<std::complex<double>>;
+
+}  // namespace arap

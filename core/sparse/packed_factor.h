@@ -1,0 +1,54 @@
+// PackedFactor: a Cholesky factor laid out for solving one to four right-hand sides, as a frame and
+// a new handle do. Twice to five times as fast there as the library's own solves, which are made
+// for many.
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/sparse/packed_kernels.h"
+
+namespace arap {
+
+// L of P A Pᵀ = L Lᴴ as supernodal CHOLMOD has it. Supernode s has columns first[s]…first[s + 1]−1
+// and rows[rows_begin[s]]…; its own columns are the first of those. values[values_begin[s]]… is the
+// dense block, column by column.
+template <class Scalar>
+struct Supernodes {
+  std::span<const int> first, rows_begin, rows, values_begin;
+  const Scalar* values = nullptr;
+  std::span<const int> order;  // P: row k of the factor is row order[k] of A
+};
+
+// Scalar is double or std::complex<double>. Immutable: may be shared by threads, each with a
+// scratch of its own.
+template <class Scalar>
+class PackedFactor {
+ public:
+  explicit PackedFactor(const Supernodes<Scalar>& l);
+
+  std::size_t size() const { return order_.size(); }
+  std::span<const int> order() const { return order_; }
+  std::size_t bytes() const;
+
+  // Numbers that Solve needs as scratch.
+  std::size_t ScratchSize() const { return 4 * size() + kAlign; }
+
+  // Solves A `solution` = `right` (#n·columns, column by column). A column's bytes do not depend on
+  // its neighbours or on the kernels; columns go four at a time. Where `right` has few numbers
+  // other than 0, half of the work is saved.
+  void Solve(const Scalar* right, std::size_t columns, Scalar* solution, std::span<double> scratch,
+             const PackedKernels& kernels = SolveKernels()) const;
+
+ private:
+  static constexpr std::size_t kAlign = 8;  // numbers in a cache line
+
+  double* Pack(const Supernodes<Scalar>& l, std::size_t supernode, double* out);
+
+  std::vector<int> order_;
+  PackedPanels panels_;
+};
+
+}  // namespace arap
