@@ -74,13 +74,13 @@ std::unique_ptr<CompiledHandlesParts> Without(const CompiledHandlesParts& from,
     renumbered[h] = static_cast<std::uint32_t>(parts->handles.size());
     if (!removed[h]) parts->handles.push_back(from.handles[h]);
   }
-  std::vector<Eigen::Index> columns;
+  std::vector<std::size_t> columns;
   for (std::size_t r = 0; r < from.rows.size(); ++r) {
     Row row = from.rows[r];
     if (removed[row.handle]) continue;
     row.handle = renumbered[row.handle];
     parts->rows.push_back(row);
-    columns.push_back(static_cast<Eigen::Index>(r));
+    columns.push_back(r);
   }
   if (from.responses)
     parts->responses = std::make_shared<Responses>(from.responses->Select(columns));

@@ -9,7 +9,7 @@ NullSpaceSolver::NullSpaceSolver(const CompiledHandlesParts& parts)
     : mesh_(&parts.mesh->parts()), responses_(parts.responses), slot_(parts.active_slot) {
   for (const std::size_t r : parts.active_rows) {
     rows_.push_back(parts.rows[r]);
-    columns_.push_back(static_cast<Eigen::Index>(r));
+    columns_.push_back(r);
   }
   const auto k = static_cast<Eigen::Index>(rows_.size());
   const auto m = static_cast<Eigen::Index>(parts.active_components);
@@ -18,14 +18,13 @@ NullSpaceSolver::NullSpaceSolver(const CompiledHandlesParts& parts)
   for (Eigen::Index i = 0; i < k; ++i) {
     const Row& row = rows_[static_cast<std::size_t>(i)];
     for (Eigen::Index j = 0; j < k; ++j) {
-      const Eigen::Index column = columns_[static_cast<std::size_t>(j)];
+      const Responses::Column& column = responses_->of(columns_[static_cast<std::size_t>(j)]);
       Complex z1 = 0;
       double z2 = 0;
       for (std::size_t c = 0; c < 3; ++c) {
-        const auto v = static_cast<Eigen::Index>(row.vertex[c]);
-        z1 += row.weight[c] * Complex(responses_->similarity_real()(v, column),
-                                      responses_->similarity_imag()(v, column));
-        z2 += row.weight[c] * responses_->rigid()(v, column);
+        const std::size_t v = row.vertex[c];
+        z1 += row.weight[c] * Complex(column.similarity_real[v], column.similarity_imag[v]);
+        z2 += row.weight[c] * column.rigid[v];
       }
       cz1(i, j) = z1;
       cz2(i, j) = z2;
@@ -66,11 +65,10 @@ bool NullSpaceSolver::AddSimilarity(std::span<const Complex> miss, ShapeView sha
     shape.y[v] += p.imag();
   }
   AddColumns(2 * rows_.size(), n, shape, [&](std::size_t i) -> ScaledColumn {
-    const Eigen::Index column = columns_[i / 2];
+    const Responses::Column& column = responses_->of(columns_[i / 2]);
     const Complex lambda = solution[static_cast<Eigen::Index>(i / 2)];
-    if (i % 2 == 0) return {responses_->similarity_real().col(column).data(), lambda};
-    return {responses_->similarity_imag().col(column).data(),
-            Complex(-lambda.imag(), lambda.real())};
+    if (i % 2 == 0) return {column.similarity_real.data(), lambda};
+    return {column.similarity_imag.data(), Complex(-lambda.imag(), lambda.real())};
   });
   return true;
 }
@@ -103,7 +101,7 @@ void NullSpaceSolver::AddRigid(const double* solution, std::span<const Complex> 
   const auto &x = scratch.rigid_x.solution, &y = scratch.rigid_y.solution;
   AddColumns(rows_.size(), n, shape, [&](std::size_t i) -> ScaledColumn {
     const auto row = static_cast<Eigen::Index>(i);
-    return {responses_->rigid().col(columns_[i]).data(), {x[row], y[row]}};
+    return {responses_->of(columns_[i]).rigid.data(), {x[row], y[row]}};
   });
   for (std::size_t v = 0; v < n; ++v) {
     const std::uint32_t c = mesh_->topology.vertex_component[v];

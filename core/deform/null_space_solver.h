@@ -30,11 +30,11 @@ class NullSpaceSolver : public ConstraintSolver {
  private:
   const RegisteredMeshParts* mesh_;  // kept alive by the handle set that owns this
   std::shared_ptr<const Responses> responses_;
-  std::vector<Row> rows_;              // active
-  std::vector<Eigen::Index> columns_;  // of each active row in the responses
-  std::vector<std::uint32_t> slot_;    // per component: its place in the null space, or kNone
-  Saddle<Complex> similarity_;         // null space per component: 1 and p − centre
-  Saddle<double> rigid_;               // null space per component: 1
+  std::vector<Row> rows_;             // active
+  std::vector<std::size_t> columns_;  // of each active row in the responses
+  std::vector<std::uint32_t> slot_;   // per component: its place in the null space, or kNone
+  Saddle<Complex> similarity_;        // null space per component: 1 and p − centre
+  Saddle<double> rigid_;              // null space per component: 1
 };
 
 }  // namespace arap

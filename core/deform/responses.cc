@@ -5,9 +5,8 @@
 namespace arap {
 namespace {
 
-// Columns solved together: enough for BLAS-3, few enough to stay in cache and to be cancelled
-// between.
-constexpr std::size_t kBlock = 32;
+// Columns solved together: as many as the factors take at once, and few to be cancelled between.
+constexpr std::size_t kBlock = 4;
 
 // Calls store(row, solution) for G applied to every row.
 template <class Scalar, class Store>
@@ -36,42 +35,43 @@ Status SolveRows(const Factor<Scalar>& factor, const std::vector<Row>& rows,
 }  // namespace
 
 std::size_t Responses::bytes() const {
-  return static_cast<std::size_t>(rigid_.size()) * 3 * sizeof(double);
+  std::size_t bytes = 0;
+  for (const auto& column : columns_) bytes += column->rigid.size() * 3 * sizeof(double);
+  return bytes;
 }
 
-Responses Responses::Select(const std::vector<Eigen::Index>& columns) const {
+Responses Responses::Select(const std::vector<std::size_t>& rows) const {
   Responses selected;
-  selected.similarity_real_ = similarity_real_(Eigen::all, columns);
-  selected.similarity_imag_ = similarity_imag_(Eigen::all, columns);
-  selected.rigid_ = rigid_(Eigen::all, columns);
+  for (const std::size_t row : rows) selected.columns_.push_back(columns_[row]);
   return selected;
 }
 
 Status Responses::Append(const RegisteredMeshParts& mesh, const std::vector<Row>& added,
                          const CancelToken& cancel) {
-  const std::size_t first = rows();
-  const auto n = static_cast<Eigen::Index>(mesh.rest.size());
-  const auto columns = static_cast<Eigen::Index>(first + added.size());
-  similarity_real_.conservativeResize(n, columns);
-  similarity_imag_.conservativeResize(n, columns);
-  rigid_.conservativeResize(n, columns);
+  std::vector<std::shared_ptr<Column>> columns;
+  for (std::size_t j = 0; j < added.size(); ++j) columns.push_back(std::make_shared<Column>());
 
   std::vector<std::uint32_t> grounded;
   for (const MeshComponent& c : mesh.components) grounded.push_back(c.ground0);
-  auto ok = SolveRows<double>(
-      *mesh.rigid, added, grounded, cancel, [&](std::size_t j, std::span<const double> z) {
-        std::copy(z.begin(), z.end(), rigid_.col(static_cast<Eigen::Index>(first + j)).data());
-      });
+  auto ok = SolveRows<double>(*mesh.rigid, added, grounded, cancel,
+                              [&](std::size_t j, std::span<const double> z) {
+                                columns[j]->rigid.assign(z.begin(), z.end());
+                              });
   if (!ok) return ok;
   for (const MeshComponent& c : mesh.components) grounded.push_back(c.ground1);
-  return SolveRows<Complex>(
-      *mesh.similarity, added, grounded, cancel, [&](std::size_t j, std::span<const Complex> z) {
-        const auto column = static_cast<Eigen::Index>(first + j);
-        for (std::size_t v = 0; v < z.size(); ++v) {
-          similarity_real_(static_cast<Eigen::Index>(v), column) = z[v].real();
-          similarity_imag_(static_cast<Eigen::Index>(v), column) = z[v].imag();
-        }
-      });
+  ok = SolveRows<Complex>(*mesh.similarity, added, grounded, cancel,
+                          [&](std::size_t j, std::span<const Complex> z) {
+                            Column& column = *columns[j];
+                            column.similarity_real.reserve(z.size());
+                            column.similarity_imag.reserve(z.size());
+                            for (const Complex x : z) {
+                              column.similarity_real.push_back(x.real());
+                              column.similarity_imag.push_back(x.imag());
+                            }
+                          });
+  if (!ok) return ok;
+  columns_.insert(columns_.end(), columns.begin(), columns.end());
+  return {};
 }
 
 }  // namespace arap

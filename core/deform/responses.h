@@ -3,9 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "core/base/cancel.h"
 #include "core/deform/place.h"
@@ -13,26 +12,30 @@
 
 namespace arap {
 
+// Copies share their columns.
 class Responses {
  public:
-  std::size_t rows() const { return static_cast<std::size_t>(rigid_.cols()); }
+  // How the mesh answers one row, per vertex (#V each): in step 1, split in real and imaginary
+  // parts so that adding one is two plain loops, and in step 2.
+  struct Column {
+    std::vector<double> similarity_real, similarity_imag, rigid;
+  };
+
+  std::size_t rows() const { return columns_.size(); }
+  // Shared columns count in full.
   std::size_t bytes() const;
 
-  // The columns of step 1 (#V×#rows, split in real and imaginary parts so that adding one is two
-  // plain loops) and of step 2 (#V×#rows).
-  const Eigen::MatrixXd& similarity_real() const { return similarity_real_; }
-  const Eigen::MatrixXd& similarity_imag() const { return similarity_imag_; }
-  const Eigen::MatrixXd& rigid() const { return rigid_; }
+  const Column& of(std::size_t row) const { return *columns_[row]; }
 
-  // A copy with the given columns only.
-  Responses Select(const std::vector<Eigen::Index>& columns) const;
+  // Those of the given rows only.
+  Responses Select(const std::vector<std::size_t>& rows) const;
 
   // Appends the responses of `added`. Asks `cancel` between blocks of columns.
   Status Append(const RegisteredMeshParts& mesh, const std::vector<Row>& added,
                 const CancelToken& cancel);
 
  private:
-  Eigen::MatrixXd similarity_real_, similarity_imag_, rigid_;
+  std::vector<std::shared_ptr<const Column>> columns_;
 };
 
 }  // namespace arap
