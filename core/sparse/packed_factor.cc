@@ -104,11 +104,12 @@ void PackedFactor<Scalar>::Solve(const Scalar* right, std::size_t columns, Scala
     const std::size_t left = columns - begin;
     const std::size_t take = std::min<std::size_t>(left, kComplex ? 2 : 4);
     const std::size_t lanes = kComplex ? take : take > 2 ? 4 : 2;
-    for (std::size_t k = 0; k < n; ++k) {
-      const auto row = static_cast<std::size_t>(order_[k]);
-      for (std::size_t c = 0; c < lanes; ++c) {
-        // −0 becomes 0, or a number's sign could depend on its neighbours.
-        rows[k * lanes + c] = c < take ? right[(begin + c) * n + row] + Scalar(0) : Scalar(0);
+    // −0 becomes 0, or a number's sign could depend on its neighbours.
+    for (std::size_t c = 0; c < lanes; ++c) {
+      const Scalar* column = c < take ? right + (begin + c) * n : nullptr;
+      for (std::size_t k = 0; k < n; ++k) {
+        rows[k * lanes + c] =
+            column ? column[static_cast<std::size_t>(order_[k])] + Scalar(0) : Scalar(0);
       }
     }
     if constexpr (kComplex) {
@@ -116,9 +117,11 @@ void PackedFactor<Scalar>::Solve(const Scalar* right, std::size_t columns, Scala
     } else {
       (lanes == 2 ? kernels.real2 : kernels.real4)(panels_, x);
     }
-    for (std::size_t k = 0; k < n; ++k) {
-      const auto row = static_cast<std::size_t>(order_[k]);
-      for (std::size_t c = 0; c < take; ++c) solution[(begin + c) * n + row] = rows[k * lanes + c];
+    for (std::size_t c = 0; c < take; ++c) {
+      Scalar* column = solution + (begin + c) * n;
+      for (std::size_t k = 0; k < n; ++k) {
+        column[static_cast<std::size_t>(order_[k])] = rows[k * lanes + c];
+      }
     }
     begin += take;
   }

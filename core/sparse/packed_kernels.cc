@@ -31,9 +31,10 @@ ARAP_WIDE_BODY void TimesI(const Lanes<4>& x, Lanes<4>& ix) {
 
 // Whether all of `count` numbers are 0.
 ARAP_WIDE_BODY bool IsZero(const double* x, std::size_t count) {
-  bool zero = true;
-  for (std::size_t k = 0; k < count; ++k) zero = zero && x[k] == 0;
-  return zero;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (x[k] != 0) return false;
+  }
+  return true;
 }
 
 // x := M x for the inverse M of the diagonal block, then rows −= L x.
