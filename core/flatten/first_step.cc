@@ -110,7 +110,7 @@ Result<GroundedSystem<Complex>> SpectralSystem(const Cells& cells, std::size_t v
   Eigen::SparseMatrix<Complex> matrix = AssembleSimilarity(cells, none);
   const double shift = kShift * matrix.diagonal().real().mean();
   for (Eigen::Index v = 0; v < matrix.rows(); ++v) matrix.coeffRef(v, v) += shift;
-  auto system = GroundedSystem<Complex>::Make(matrix, none, FactorLayout::kSupernodal);
+  auto system = GroundedSystem<Complex>::Make(matrix, none, FactorLayout::kPacked);
   if (system) system->set_raised(shift);
   return system;
 }

@@ -114,7 +114,7 @@ Result<GroundedSystem<double>> RigidSystem(const Cells& cells, const Held& held,
     const auto v = static_cast<Eigen::Index>(h.vertex);
     if (h.weight > 0) matrix.coeffRef(v, v) += h.weight;
   }
-  return GroundedSystem<double>::Make(matrix, std::move(fixed), FactorLayout::kSimplicial, order);
+  return GroundedSystem<double>::Make(matrix, std::move(fixed), FactorLayout::kPacked, order);
 }
 
 Result<int> LocalGlobal(const Cells& cells, const Held& held, const GroundedSystem<double>& system,
