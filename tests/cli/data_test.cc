@@ -11,7 +11,6 @@
 #include "core/deform/compiled_handles.h"
 #include "core/deform/deformer.h"
 #include "core/deform/registered_mesh.h"
-#include "core/flatten/flattener.h"
 #include "tests/support/compare.h"
 
 namespace arap::cli {
@@ -42,15 +41,6 @@ PlanarMesh ReadPlane(const fs::path& file) {
   PlanarMesh mesh{{}, TrianglesOf(read)};
   for (std::size_t i = 0; i < read.vertices.size(); i += 2) {
     mesh.vertices.emplace_back(read.vertices[i], read.vertices[i + 1]);
-  }
-  return mesh;
-}
-
-SurfaceMesh ReadSurface(const fs::path& file) {
-  const client::SurfaceMesh read = Must(ReadSurfaceMesh(file.string()));
-  SurfaceMesh mesh{{}, TrianglesOf(read)};
-  for (std::size_t i = 0; i < read.vertices.size(); i += 3) {
-    mesh.vertices.emplace_back(read.vertices[i], read.vertices[i + 1], read.vertices[i + 2]);
   }
   return mesh;
 }
@@ -122,51 +112,6 @@ TEST_F(DataTest, EveryTrackIsFiniteAndItsFlipsAreCounted) {
     CheckTrack(entry.path(), Basis::kEdgeAsPublished);
   }
   EXPECT_GE(tracks, 9u);
-}
-
-TEST_F(DataTest, DevelopableSurfacesFlattenWithoutStrain) {
-  for (const char* name : {"dev_rolled_sheet", "dev_cone_patch", "dev_accordion"}) {
-    const SurfaceMesh mesh = ReadSurface(data_ / "3d" / (std::string(name) + ".obj"));
-    for (const Basis basis : {Basis::kEdge, Basis::kEdgeAsPublished, Basis::kFace}) {
-      for (const Weights weights : {Weights::kUniform, Weights::kCotangent}) {
-        const Flattening flat = Must(Flatten(mesh, {{basis, weights, {}}, 0, {}}));
-        double worst = 0;
-        for (const Triangle& t : mesh.triangles) {
-          for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-            const double length = (mesh.vertices[a] - mesh.vertices[b]).norm();
-            worst = std::max(worst, std::abs(std::abs(flat.uv[a] - flat.uv[b]) / length - 1));
-          }
-        }
-        EXPECT_LE(worst, 1e-8) << name;
-        EXPECT_EQ(flat.distortion.flipped, 0u) << name;
-      }
-    }
-  }
-}
-
-TEST_F(DataTest, BadSurfacesAreNamed) {
-  const std::vector<std::pair<const char*, FaultKind>> expected{
-      {"closed_hourglass", FaultKind::kNotADisk},
-      {"closed_spot", FaultKind::kNotADisk},
-      {"bowtie_vertex", FaultKind::kNotADisk},
-      {"degenerate_zero_area", FaultKind::kDegenerateTriangle},
-      {"degenerate_zero_edge", FaultKind::kDegenerateTriangle},
-      {"duplicate_triangle", FaultKind::kDuplicateTriangle},
-      {"moebius", FaultKind::kNotOrientable},
-      {"nonmanifold_fan3", FaultKind::kNonManifoldEdge},
-      {"nonmanifold_triple_vierbein", FaultKind::kNonManifoldEdge}};
-  for (const auto& [name, kind] : expected) {
-    const auto flat = Flatten(ReadSurface(data_ / "3d/bad" / (std::string(name) + ".obj")), {});
-    ASSERT_FALSE(flat.has_value()) << name;
-    EXPECT_EQ(flat.error().kind, kind) << name << ": " << flat.error().message;
-  }
-  for (const char* name : {"unreferenced_vertices", "unreferenced_vertices_shuffled"}) {
-    const auto flat =
-        Must(Flatten(ReadSurface(data_ / "3d/bad" / (std::string(name) + ".obj")), {}));
-    EXPECT_TRUE(testing::AllFinite(flat.uv)) << name;
-    EXPECT_EQ(flat.warnings.front().kind, "unreferenced_vertices") << name;
-  }
 }
 
 }  // namespace

@@ -81,6 +81,49 @@ TEST_F(FlattenDataTest, RefinedToTheEndNobodyIsBetter) {
   }
 }
 
+// Every edge keeps its length, whatever the cells, the weights and the anchors; first steps too
+// where their scale is right.
+TEST_F(FlattenDataTest, DevelopablesAreExact) {
+  for (const char* name : {"dev_rolled_sheet", "dev_cone_patch", "dev_accordion"}) {
+    const SurfaceMesh mesh = Read(name);
+    const auto check = [&](const FlattenOptions& options) {
+      const Flattening flat = Must(Flatten(mesh, options));
+      double worst = 0;
+      for (const Triangle& t : mesh.triangles) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+          const double length = (mesh.vertices[a] - mesh.vertices[b]).norm();
+          worst = std::max(worst, std::abs(std::abs(flat.uv[a] - flat.uv[b]) / length - 1));
+        }
+      }
+      EXPECT_LE(worst, 1e-8) << name << ' ' << static_cast<int>(options.method) << ' '
+                             << static_cast<int>(options.energy.basis) << ' '
+                             << static_cast<int>(options.anchors);
+      EXPECT_EQ(flat.distortion.flipped, 0u) << name;
+    };
+    for (const auto anchors :
+         {FlattenAnchors::kCentreEdge, FlattenAnchors::kFarBoundary, FlattenAnchors::kSpectral}) {
+      FlattenOptions options;
+      options.anchors = anchors;
+      for (const Basis basis : {Basis::kEdge, Basis::kEdgeAsPublished, Basis::kFace}) {
+        for (const Weights weights : {Weights::kUniform, Weights::kCotangent}) {
+          options.energy = {basis, weights, {}};
+          check(options);
+        }
+      }
+      if (anchors == FlattenAnchors::kFarBoundary) continue;  // a chord of the surface
+      options.energy = {Basis::kFace, Weights::kCotangent, {}};
+      for (const auto method : {FlattenMethod::kFirstStep, FlattenMethod::kAbf}) {
+        options.method = method;
+        check(options);
+      }
+      options.method = FlattenMethod::kArap;
+      options.injective = true;
+      check(options);
+    }
+  }
+}
+
 TEST_F(FlattenDataTest, InjectiveLayoutsHaveNoFlip) {
   for (const auto method : {FlattenMethod::kArap, FlattenMethod::kFirstStep}) {
     FlattenOptions options;
