@@ -12,29 +12,38 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include "tests/bench/bumpy_cap.h"
 #include "tests/bench/cgal_scheme.h"
 #include "tests/bench/contenders.h"
 #include "tests/bench/deform_section.h"
+#include "tests/bench/flatten_section.h"
+#include "tests/bench/surfaces_table.h"
 
 namespace arap::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-const std::map<std::string, std::size_t> kSizes{{"1k", 1000}, {"10k", 10000}, {"100k", 100000}};
+const std::map<std::string, std::size_t> kSizes{
+    {"1k", 1000}, {"10k", 10000}, {"100k", 100000}, {"1m", 1000000}};
 const std::map<std::string, Basis> kBases{{"edge", Basis::kEdge},
                                           {"published", Basis::kEdgeAsPublished},
                                           {"face", Basis::kFace},
                                           {"vertex", Basis::kVertex}};
 
 struct Options {
-  std::string json, basis = "edge";
-  std::vector<std::string> only, sizes{"1k", "10k", "100k"};
+  std::string json, basis = "edge", surfaces;
+  std::vector<std::string> only, sizes;  // empty: all that a section has
+  double budget = 300;
 };
 
-// One thread for everybody. Says what it found.
-std::string UseOneBlasThread() {
+// One thread for everybody: processor time is that of the thread that asks. CHOLMOD has loops in
+// OpenMP besides those of the BLAS. Says what it found.
+std::string UseOneThread() {
   using SetThreads = void (*)(int);
+  if (void* symbol = dlsym(RTLD_DEFAULT, "omp_set_max_active_levels")) {
+    reinterpret_cast<SetThreads>(symbol)(0);
+  }
   if (void* symbol = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) {
     reinterpret_cast<SetThreads>(symbol)(1);
     return "OpenBLAS, 1 thread";
@@ -44,12 +53,30 @@ std::string UseOneBlasThread() {
 
 using MakeScene = Scene (*)(std::size_t);
 
+// Of those that a section has, what was asked for.
+std::vector<std::string> SizesOf(const Options& options, std::vector<std::string> sizes) {
+  std::erase_if(sizes, [&](const std::string& size) {
+    return !options.sizes.empty() && std::ranges::find(options.sizes, size) == options.sizes.end();
+  });
+  return sizes;
+}
+
 Json DeformSection(const Options& options, MakeScene make) {
   Json section = Json::object();
-  for (const std::string& size : options.sizes) {
+  for (const std::string& size : SizesOf(options, {"1k", "10k", "100k"})) {
     const Scene scene = make(kSizes.at(size));
     section[size] = MeasureDeform(scene, kBases.at(options.basis));
     PrintDeform(scene, section[size]);
+    std::fflush(stdout);
+  }
+  return section;
+}
+
+Json FlattenSection(const Options& options) {
+  Json section = Json::object();
+  for (const std::string& size : SizesOf(options, {"10k", "100k", "1m"})) {
+    section[size] = MeasureFlatten(BumpyCap(kSizes.at(size)), options.budget);
+    PrintFlatten(section[size], options.budget);
     std::fflush(stdout);
   }
   return section;
@@ -66,16 +93,22 @@ const std::vector<Section>& Sections() {
       {"deform", "deform", [](const Options& o) { return DeformSection(o, GridScene); }},
       {"deform", "deform_character",
        [](const Options& o) { return DeformSection(o, CharacterScene); }},
+      {"flatten", "flatten", FlattenSection},
   };
   return sections;
 }
 
 int Run(const Options& options) {
-  fmt::print("BLAS       {}\n", UseOneBlasThread());
-  fmt::print("CGAL       {}\n", CgalScheme::Available()
-                                    ? CgalScheme::Version() + ", ORIGINAL_ARAP, sparse LU"
-                                    : "not found: its columns are left out");
-  fmt::print("basis      {}, uniform weights\n", options.basis);
+  fmt::print("BLAS       {}\n", UseOneThread());
+  fmt::print("CGAL       {}\n",
+             CgalScheme::Available()
+                 ? CgalScheme::Version() + ", defaults: sparse LU, LSCM simplicial LDLᵗ"
+                 : "not found: its columns are left out");
+  if (!options.surfaces.empty()) {
+    PrintSurfacesTable(options.surfaces);
+    return 0;
+  }
+  fmt::print("basis      {}, uniform weights (deform)\n", options.basis);
   Json all = Json::object();
   for (const Section& section : Sections()) {
     const auto& only = options.only;
@@ -99,12 +132,17 @@ int main(int argc, char** argv) {
   app.add_option("--json", options.json, "write the figures to this file");
   app.add_option("--only", options.only, "sections to run")
       ->delimiter(',')
-      ->check(CLI::IsMember({"deform"}));
-  app.add_option("--sizes", options.sizes, "sizes of the meshes")
+      ->check(CLI::IsMember({"deform", "flatten"}));
+  app.add_option("--sizes", options.sizes, "vertices to deform, triangles to flatten")
       ->delimiter(',')
       ->check(CLI::IsMember(kSizes));
   app.add_option("--basis", options.basis, "cells of our energy; the paper's are \"published\"")
       ->check(CLI::IsMember(kBases));
+  app.add_option("--budget", options.budget, "seconds that one flattening may take")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--surfaces", options.surfaces,
+                 "only flatten every OBJ file of this directory in all of our ways")
+      ->check(CLI::ExistingDirectory);
   CLI11_PARSE(app, argc, argv);
   return Run(options);
 }
