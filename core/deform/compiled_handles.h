@@ -30,7 +30,7 @@ enum class HandleSolver {
 
 // Above this many constraint rows kAuto factors directly: there both the compilation and the frame
 // are cheaper that way (docs/algorithm.md has the measurement).
-inline constexpr std::size_t kDirectRows = 64;
+inline constexpr std::size_t kDirectRows = 96;
 
 // Immutable, safe to share between threads.
 class CompiledHandles {

@@ -78,7 +78,7 @@ void BM_Compile(benchmark::State& state) {
 }
 BENCHMARK(BM_Compile)
     ->ArgNames({"vertices", "handles", "direct"})
-    ->ArgsProduct({{1000, 10000}, {8, 32, 64, 128}, {0, 1}})
+    ->ArgsProduct({{1000, 10000}, {8, 32, 64, 96, 128}, {0, 1}})
     ->Unit(benchmark::kMillisecond);
 
 void BM_UpdateBy(benchmark::State& state) {
@@ -91,7 +91,7 @@ void BM_UpdateBy(benchmark::State& state) {
 }
 BENCHMARK(BM_UpdateBy)
     ->ArgNames({"vertices", "handles", "direct"})
-    ->ArgsProduct({{1000, 10000}, {8, 32, 64, 128}, {0, 1}})
+    ->ArgsProduct({{1000, 10000}, {8, 32, 64, 96, 128}, {0, 1}})
     ->Unit(benchmark::kMillisecond);
 
 void BM_AddOneHandle(benchmark::State& state) {
