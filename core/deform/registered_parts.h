@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "core/deform/stretch.h"
 #include "core/deform/registered_mesh.h"
+#include "core/deform/stretch.h"
 #include "core/energy/cells.h"
 #include "core/mesh/topology.h"
 #include "core/sparse/factor.h"
