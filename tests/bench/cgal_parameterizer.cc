@@ -47,8 +47,9 @@ struct CgalParameterizer::Data {
 
 bool CgalParameterizer::Available() { return true; }
 
-CgalParameterizer::CgalParameterizer(const SurfaceMesh& mesh) : data_(new Data(mesh)) {}
-CgalParameterizer::~CgalParameterizer() { delete data_; }
+CgalParameterizer::CgalParameterizer(const SurfaceMesh& mesh)
+    : data_(std::make_unique<Data>(mesh)) {}
+CgalParameterizer::~CgalParameterizer() = default;
 
 std::string CgalParameterizer::Run(CgalMethod method) {
   const smp::Error_code code = method == CgalMethod::kLscm

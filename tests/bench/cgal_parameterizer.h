@@ -2,6 +2,7 @@
 // nothing to run.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,7 @@ class CgalParameterizer {
 
  private:
   struct Data;
-  Data* data_;
+  std::unique_ptr<Data> data_;
 };
 
 }  // namespace arap::bench

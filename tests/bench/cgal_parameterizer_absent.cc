@@ -7,7 +7,7 @@ namespace arap::bench {
 struct CgalParameterizer::Data {};
 
 bool CgalParameterizer::Available() { return false; }
-CgalParameterizer::CgalParameterizer(const SurfaceMesh&) : data_(nullptr) { std::abort(); }
+CgalParameterizer::CgalParameterizer(const SurfaceMesh&) { std::abort(); }
 CgalParameterizer::~CgalParameterizer() = default;
 std::string CgalParameterizer::Run(CgalMethod) { return "not there"; }
 std::vector<Complex> CgalParameterizer::uv() const { return {}; }
