@@ -5,7 +5,7 @@
 
 namespace arap::cli {
 
-// While one of these is there, the first SIGINT is only noted; the next does what it did before.
+// While one of these is there, the first SIGINT is only noted; the next ends the program.
 // One at a time.
 class Interrupt {
  public:

@@ -76,7 +76,10 @@ class FactorCache {
   template <class Scalar>
   static std::size_t Bytes(const Shelf<Scalar>& shelf) {
     std::size_t bytes = 0;
-    for (const auto& [key, entry] : shelf) bytes += key.size() + entry.system->bytes();
+    for (const auto& [key, entry] : shelf) {
+      bytes += sizeof(typename Shelf<Scalar>::value_type) + sizeof(*entry.system) + key.capacity() +
+               entry.system->bytes();
+    }
     return bytes;
   }
 

@@ -182,7 +182,7 @@ Result<Flattening> Flatten(const PreparedSurface& surface, const FlattenOptions&
   if (auto ok = CheckOptions(options, surface.surface().mesh.triangles.size()); !ok) {
     return Fail(std::move(ok.error()));
   }
-  auto wishes = FindWishes(surface, options);
+  auto wishes = FindWishes(surface, options, cancel);
   if (!wishes) return Fail(std::move(wishes.error()));
   Assembly assembly(surface);
   for (std::size_t c = 0; c < surface.charts().size(); ++c) {

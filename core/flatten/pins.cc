@@ -21,8 +21,8 @@ Fault Wrong(FaultKind kind, const char* list, std::size_t entry, const char* mem
 
 class Finder {
  public:
-  Finder(const PreparedSurface& surface, const FlattenOptions& options)
-      : surface_(surface), options_(options), wishes_(surface.charts().size()) {}
+  Finder(const PreparedSurface& surface, const FlattenOptions& options, const CancelToken& cancel)
+      : surface_(surface), options_(options), cancel_(cancel), wishes_(surface.charts().size()) {}
 
   Result<std::vector<ChartWishes>> Find() {
     if (options_.pins.empty() && options_.grain_lines.empty()) return std::move(wishes_);
@@ -58,6 +58,7 @@ class Finder {
   }
 
   Status CheckPins() {
+    const double farthest = kMaxPinDistance * Largest();
     std::vector<bool> pinned(surface_.input_vertices());
     for (std::size_t i = 0; i < options_.pins.size(); ++i) {
       const UvPin& pin = options_.pins[i];
@@ -67,7 +68,6 @@ class Finder {
                           fmt::format("the place of pins[{}] is not finite", i))
                         .Element(pin.vertex));
       }
-      const double farthest = kMaxPinDistance * Largest();
       if (std::abs(pin.uv) > farthest) {
         return Fail(
             Wrong(FaultKind::kInvalidOption, "pins", i, "",
@@ -123,15 +123,30 @@ class Finder {
                      [](const Place& a, const Place& b) { return a.input < b.input; });
   }
 
+  // On all charts, by chart.
   std::span<const Place> PlacesOf(std::uint32_t input) const {
-    const auto less = [](const Place& a, std::uint32_t b) { return a.input < b; };
-    const auto first = std::lower_bound(places_.begin(), places_.end(), input, less);
-    auto last = first;
-    while (last != places_.end() && last->input == input) ++last;
-    return {first, last};
+    const auto at =
+        std::equal_range(places_.begin(), places_.end(), Place{input, 0, 0},
+                         [](const Place& a, const Place& b) { return a.input < b.input; });
+    return {at.first, at.second};
+  }
+
+  std::span<const Place> PlacesOf(std::uint32_t input, std::uint32_t chart) const {
+    const auto at = std::equal_range(
+        places_.begin(), places_.end(), Place{input, chart, 0}, [](const Place& a, const Place& b) {
+          return a.input != b.input ? a.input < b.input : a.chart < b.chart;
+        });
+    return {at.first, at.second};
+  }
+
+  // Every so often: wishes and charts can be many.
+  Status Ask() {
+    if (++steps_ % 1024 != 0) return {};
+    return cancel_.Check();
   }
 
   Status AddPin(std::size_t i) {
+    if (auto ok = Ask(); !ok) return ok;
     const UvPin& pin = options_.pins[i];
     const auto places = PlacesOf(pin.vertex);
     if (places.empty()) {
@@ -182,12 +197,17 @@ class Finder {
     }
     if (line.from == line.to) return wrong("a grain line needs two vertices");
     bool shared = false;
-    for (std::uint32_t c = 0; c < wishes_.size(); ++c) {
-      const auto ends = NearestEnds(c, line);
-      if (!ends) continue;
+    std::uint32_t last = kNone;
+    for (const Place& at : PlacesOf(line.from)) {
+      if (auto ok = Ask(); !ok) return ok;
+      if (at.chart == last) continue;
+      last = at.chart;
+      if (PlacesOf(line.to, last).empty()) continue;
       shared = true;
-      if (wishes_[c].grain || wishes_[c].pinned()) continue;
-      wishes_[c].grain = {(*ends)[0], (*ends)[1], line.angle};
+      ChartWishes& wishes = wishes_[last];
+      if (wishes.grain || wishes.pinned()) continue;
+      const auto ends = NearestEnds(last, line);
+      wishes.grain = {ends[0], ends[1], line.angle};
       return {};
     }
     return wrong(
@@ -195,39 +215,36 @@ class Finder {
                : fmt::format("vertices {} and {} are on no common chart", line.from, line.to));
   }
 
-  // The copies of the ends on one chart; along a cut those that are the fewest steps apart on the
-  // boundary, which are on one side of it.
-  std::optional<std::array<std::uint32_t, 2>> NearestEnds(std::uint32_t chart,
-                                                          const GrainLine& line) const {
-    std::optional<std::array<std::uint32_t, 2>> best;
-    std::size_t least = 0;
-    for (const Place& from : PlacesOf(line.from)) {
-      if (from.chart != chart) continue;
-      for (const Place& to : PlacesOf(line.to)) {
-        if (to.chart != chart) continue;
-        const std::size_t steps = BoundarySteps(surface_.charts()[chart], from.vertex, to.vertex);
-        if (best && steps >= least) continue;
-        best = {from.vertex, to.vertex};
+  // The copies of the ends on one chart that has both; along a cut those that are the fewest steps
+  // apart on the boundary, which are on one side of it. O(boundary).
+  std::array<std::uint32_t, 2> NearestEnds(std::uint32_t chart, const GrainLine& line) const {
+    const auto from = PlacesOf(line.from, chart), to = PlacesOf(line.to, chart);
+    std::array<std::uint32_t, 2> best{from.front().vertex, to.front().vertex};
+    if (from.size() * to.size() == 1) return best;
+    const SurfaceChart& own = surface_.charts()[chart];
+    std::size_t least = std::numeric_limits<std::size_t>::max();
+    for (const auto& loop : own.loops) {
+      // Twice round, so that an end meets the last one of the other kind across the start as well.
+      const std::size_t n = loop.size();
+      std::size_t seen_from = 0, seen_to = 0;  // places, from 1
+      for (std::size_t k = 1; k <= 2 * n; ++k) {
+        const std::uint32_t input = surface_.surface().source[own.vertices[loop[(k - 1) % n]]];
+        if (input != line.from && input != line.to) continue;
+        (input == line.from ? seen_from : seen_to) = k;
+        if (seen_from == 0 || seen_to == 0) continue;
+        const std::size_t steps = std::max(seen_from, seen_to) - std::min(seen_from, seen_to);
+        if (steps >= least) continue;
         least = steps;
+        best = {loop[(seen_from - 1) % n], loop[(seen_to - 1) % n]};
       }
     }
     return best;
   }
 
-  // Steps between two vertices on one boundary loop, the shorter way; very many when they are not.
-  static std::size_t BoundarySteps(const SurfaceChart& chart, std::uint32_t a, std::uint32_t b) {
-    for (const auto& loop : chart.loops) {
-      const auto at_a = std::find(loop.begin(), loop.end(), a);
-      const auto at_b = std::find(loop.begin(), loop.end(), b);
-      if (at_a == loop.end() || at_b == loop.end()) continue;
-      const auto apart = static_cast<std::size_t>(std::abs(at_a - at_b));
-      return std::min(apart, loop.size() - apart);
-    }
-    return std::numeric_limits<std::size_t>::max();
-  }
-
   const PreparedSurface& surface_;
   const FlattenOptions& options_;
+  const CancelToken& cancel_;
+  std::size_t steps_ = 0;
   std::vector<ChartWishes> wishes_;
   std::vector<Place> places_;
 };
@@ -235,8 +252,9 @@ class Finder {
 }  // namespace
 
 Result<std::vector<ChartWishes>> FindWishes(const PreparedSurface& surface,
-                                            const FlattenOptions& options) {
-  return Finder(surface, options).Find();
+                                            const FlattenOptions& options,
+                                            const CancelToken& cancel) {
+  return Finder(surface, options, cancel).Find();
 }
 
 }  // namespace arap

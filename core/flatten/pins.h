@@ -29,8 +29,9 @@ struct ChartWishes {
 // kIndexOutOfRange, kInvalidOption (not finite or farther away than kMaxPinDistance diagonals, a
 // weight out of range, a vertex pinned twice or in no triangle, several pins at one place, a grain
 // line between charts or on charts that have one or that pins fix); fields "pins[i]…" and
-// "grain_lines[i]…".
+// "grain_lines[i]…"; and what `cancel` answers on the way.
 Result<std::vector<ChartWishes>> FindWishes(const PreparedSurface& surface,
-                                            const FlattenOptions& options);
+                                            const FlattenOptions& options,
+                                            const CancelToken& cancel = {});
 
 }  // namespace arap

@@ -1,5 +1,7 @@
 #include "core/flatten/prepared_surface.h"
 
+#include <algorithm>
+
 namespace arap {
 namespace {
 
@@ -24,7 +26,7 @@ PreparedSurface::PreparedSurface(CutSurface surface, std::size_t input_vertices,
     : surface_(std::move(surface)),
       input_vertices_(input_vertices),
       charts_(MakeCharts(surface_)),
-      factors_(kept_factors * charts_.size()) {
+      factors_(std::min(kMaxKeptFactors, kept_factors * charts_.size())) {
   // The charts have what is needed of these.
   surface_.topology = {};
   surface_.mesh.vertices = {};
@@ -33,6 +35,8 @@ PreparedSurface::PreparedSurface(CutSurface surface, std::size_t input_vertices,
 std::size_t PreparedSurface::bytes() const {
   std::size_t bytes = BytesOf(surface_.mesh) + BytesOf(surface_.source) + factors_.bytes();
   for (const SurfaceChart& chart : charts_) {
+    bytes += sizeof(SurfaceChart) + chart.left_out.capacity() / 8;
+    for (const auto& loop : chart.loops) bytes += sizeof(loop) + BytesOf(loop);
     bytes += BytesOf(chart.mesh) + BytesOf(chart.topology) + BytesOf(chart.vertices) +
              BytesOf(chart.triangles) + BytesOf(chart.frames);
   }

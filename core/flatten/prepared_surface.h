@@ -38,6 +38,8 @@ class PreparedSurface {
 
 // Factors kept by Prepare, of each step and chart.
 inline constexpr std::size_t kKeptFactors = 8;
+// Of each step in all: a surface of many more charts is flattened anew each time.
+inline constexpr std::size_t kMaxKeptFactors = 1024;
 
 // Faults: those of CutToCharts.
 Result<std::shared_ptr<const PreparedSurface>> Prepare(SurfaceMesh mesh, const CutOptions& options,

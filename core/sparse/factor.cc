@@ -230,6 +230,7 @@ Result<std::shared_ptr<const Factor<Scalar>>> Factor<Scalar>::Make(
   if (!factor) return Fail(std::move(factor.error()));
   if (auto ok = (*factor)->Again(lower); !ok) return Fail(std::move(ok.error()));
   if (layout == FactorLayout::kPacked) (*factor)->data_->DropCholmod();
+  cholmod_free_work((*factor)->data_->common.get());  // solves have workspaces of their own
   return std::shared_ptr<const Factor>(std::move(*factor));
 }
 
@@ -275,7 +276,7 @@ std::span<const int> Factor<Scalar>::order() const {
 template <class Scalar>
 std::size_t Factor<Scalar>::bytes() const {
   const auto& packed = data_->packed<Scalar>();
-  std::size_t bytes = packed ? packed->bytes() : 0;
+  std::size_t bytes = sizeof(FactorData) + (packed ? packed->bytes() : 0);
   if (data_->factor) {
     const cholmod_factor& f = *data_->factor;
     const std::size_t numbers = f.is_super ? f.xsize : f.nzmax;
