@@ -125,6 +125,7 @@ TEST_F(FlattenCacheTest, ManyAtOnce) {
   options().lanes = {2, 4, 64};
   const std::string expected = Bytes(Keyed(""), "");
   std::vector<std::thread> threads;
+  threads.reserve(4);
   for (int i = 0; i < 4; ++i) {
     threads.emplace_back([&, i] {
       for (int k = 0; k < 6; ++k) {
