@@ -4,14 +4,11 @@
 
 #include "core/flatten/flattener.h"
 #include "tests/property/fixture.h"
+#include "tests/support/compare.h"
 #include "tests/support/obj.h"
 
 namespace arap::testing {
 namespace {
-
-double SignedArea(const std::array<std::uint32_t, 3>& t, const std::vector<Complex>& uv) {
-  return 0.5 * std::imag(std::conj(uv[t[1]] - uv[t[0]]) * (uv[t[2]] - uv[t[0]]));
-}
 
 // The energy after the best scale, recomputed from positions alone.
 double ScaledEnergy(const SurfaceMesh& mesh, const Flattening& flat) {
@@ -88,17 +85,9 @@ TEST_F(FlattenDataTest, DevelopablesAreExact) {
     const SurfaceMesh mesh = Read(name);
     const auto check = [&](const FlattenOptions& options) {
       const Flattening flat = Must(Flatten(mesh, options));
-      double worst = 0;
-      for (const Triangle& t : mesh.triangles) {
-        for (std::size_t k = 0; k < 3; ++k) {
-          const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-          const double length = (mesh.vertices[a] - mesh.vertices[b]).norm();
-          worst = std::max(worst, std::abs(std::abs(flat.uv[a] - flat.uv[b]) / length - 1));
-        }
-      }
-      EXPECT_LE(worst, 1e-8) << name << ' ' << static_cast<int>(options.method) << ' '
-                             << static_cast<int>(options.energy.basis) << ' '
-                             << static_cast<int>(options.anchors);
+      EXPECT_LE(WorstEdge(mesh, flat.uv), 1e-8)
+          << name << ' ' << static_cast<int>(options.method) << ' '
+          << static_cast<int>(options.energy.basis) << ' ' << static_cast<int>(options.anchors);
       EXPECT_EQ(flat.distortion.flipped, 0u) << name;
     };
     for (const auto anchors :

@@ -9,19 +9,6 @@
 namespace arap::testing {
 namespace {
 
-// Largest relative change of an edge length.
-double WorstEdge(const SurfaceMesh& mesh, const std::vector<Complex>& uv) {
-  double worst = 0;
-  for (const Triangle& t : mesh.triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-      const double length = (mesh.vertices[a] - mesh.vertices[b]).norm();
-      worst = std::max(worst, std::abs(std::abs(uv[a] - uv[b]) / length - 1));
-    }
-  }
-  return worst;
-}
-
 // Anchored at the centre edge, as in the paper.
 FlattenOptions Paper(Basis basis, Weights weights, int refine = 0) {
   FlattenOptions options;

@@ -66,6 +66,18 @@ double RelativeDistanceUpToMotion(std::span<const Complex> actual,
   return RelativeDistance(Apply(BestMotion(actual, expected), actual), expected);
 }
 
+double WorstEdge(const SurfaceMesh& mesh, std::span<const Complex> uv) {
+  double worst = 0;
+  for (const Triangle& t : mesh.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+      const double length = (mesh.vertices[a] - mesh.vertices[b]).norm();
+      worst = std::max(worst, std::abs(std::abs(uv[a] - uv[b]) / length - 1));
+    }
+  }
+  return worst;
+}
+
 double SignedArea(const Triangle& triangle, std::span<const Complex> positions) {
   const Complex a = positions[triangle[1]] - positions[triangle[0]];
   const Complex b = positions[triangle[2]] - positions[triangle[0]];

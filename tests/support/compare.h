@@ -35,6 +35,9 @@ RigidMotion BestMotion(std::span<const Complex> from, std::span<const Complex> t
 double RelativeDistanceUpToMotion(std::span<const Complex> actual,
                                   std::span<const Complex> expected);
 
+// Largest relative change of an edge length from the surface to the plane.
+double WorstEdge(const SurfaceMesh& mesh, std::span<const Complex> uv);
+
 double SignedArea(const Triangle& triangle, std::span<const Complex> positions);
 
 // Triangles of negative signed area.

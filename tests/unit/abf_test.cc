@@ -262,11 +262,11 @@ TEST(AbfTest, NamesItsFaults) {
 }
 
 TEST(AbfTest, RealSurfacesKeepTheirAnglesBetterThanLscm) {
-  const char* const data = std::getenv("ARAP_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "NOT CHECKED: ARAP_TEST_DATA does not name a folder";
+  const auto data = TestData();
+  if (!data) GTEST_SKIP() << "NOT CHECKED: ARAP_TEST_DATA does not name a folder";
   for (const char* name : {"garment_tee_back", "garment_tee_sleeve_a", "garment_skirt_panel_a",
                            "garment_skirt_panel_b", "hemisphere", "spothead"}) {
-    const SurfaceMesh mesh = ReadObj(std::string(data) + "/3d/" + name + ".obj");
+    const SurfaceMesh mesh = ReadObj(*data / "3d" / (std::string(name) + ".obj"));
     ASSERT_FALSE(mesh.triangles.empty()) << name;
     const std::vector<Complex> uv = FromAngles(mesh, Flat(mesh));
     EXPECT_LE(AngleError(mesh, uv), AngleError(mesh, Lscm(mesh))) << name;

@@ -16,9 +16,9 @@ namespace {
 class CutDataTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    const char* data = std::getenv("ARAP_TEST_DATA");
-    if (data == nullptr) GTEST_SKIP() << "ARAP_TEST_DATA is not set";
-    folder_ = std::string(data) + "/3d/";
+    const auto data = TestData();
+    if (!data) GTEST_SKIP() << "ARAP_TEST_DATA is not set";
+    folder_ = data->string() + "/3d/";
   }
   SurfaceMesh Read(const std::string& name) const { return ReadObj(folder_ + name + ".obj"); }
   std::string folder_;

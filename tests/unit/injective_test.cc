@@ -71,18 +71,6 @@ void ExpectInjective(const SurfaceMesh& mesh, const Result<InjectiveLayout>& lay
   EXPECT_NEAR(distortion.symmetric_dirichlet, layout->energy, 1e-9 * layout->energy);
 }
 
-double WorstEdge(const SurfaceMesh& mesh, const std::vector<Complex>& uv) {
-  double worst = 0;
-  for (const Triangle& t : mesh.triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-      const double length = (mesh.vertices[a] - mesh.vertices[b]).norm();
-      worst = std::max(worst, std::abs(std::abs(uv[a] - uv[b]) / length - 1));
-    }
-  }
-  return worst;
-}
-
 TEST(InjectiveTest, LaysDeepSurfacesOutWithoutAFlip) {
   for (const SurfaceMesh& mesh :
        {Cap(24, 40, 0.5), Cap(24, 40, 0.95), Cap(24, 40, 0.999), Finger(60, 24, 6),
@@ -327,11 +315,10 @@ TEST(InjectiveTest, StopsWhenCancelled) {
 }
 
 TEST(InjectiveTest, LaysTheDisksOfTheDataFolderOut) {
-  const char* const data = std::getenv("ARAP_TEST_DATA");
-  if (data == nullptr) GTEST_SKIP() << "NOT CHECKED: ARAP_TEST_DATA does not name a folder";
+  const auto data = TestData();
+  if (!data) GTEST_SKIP() << "NOT CHECKED: ARAP_TEST_DATA does not name a folder";
   std::size_t disks = 0;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(data) / "3d")) {
+  for (const auto& entry : std::filesystem::directory_iterator(*data / "3d")) {
     if (entry.path().extension() != ".obj") continue;
     const SurfaceMesh mesh = ReadObj(entry.path());
     if (WalkLoops(mesh).size() != 1) continue;
