@@ -75,6 +75,16 @@ std::optional<FaultKind> KindOf(v1::ErrorReason reason) {
       return FaultKind::kUnknownEdge;
     case v1::ERROR_REASON_NOT_INJECTIVE:
       return FaultKind::kNotInjective;
+    case v1::ERROR_REASON_STREAM_IDLE:
+      return FaultKind::kStreamIdle;
+    case v1::ERROR_REASON_UNAUTHENTICATED:
+      return FaultKind::kUnauthenticated;
+    case v1::ERROR_REASON_PERMISSION_DENIED:
+      return FaultKind::kPermissionDenied;
+    case v1::ERROR_REASON_STORE_UNAVAILABLE:
+      return FaultKind::kStoreUnavailable;
+    case v1::ERROR_REASON_DATA_LOSS:
+      return FaultKind::kDataLoss;
     case v1::ERROR_REASON_UNSPECIFIED:
     default:  // protobuf's sentinels
       break;

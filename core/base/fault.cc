@@ -66,6 +66,16 @@ const char* FaultName(FaultKind kind) {
       return "cancelled";
     case FaultKind::kDeadlineExceeded:
       return "deadline_exceeded";
+    case FaultKind::kStreamIdle:
+      return "stream_idle";
+    case FaultKind::kUnauthenticated:
+      return "unauthenticated";
+    case FaultKind::kPermissionDenied:
+      return "permission_denied";
+    case FaultKind::kStoreUnavailable:
+      return "store_unavailable";
+    case FaultKind::kDataLoss:
+      return "data_loss";
     case FaultKind::kUnimplemented:
       return "unimplemented";
     case FaultKind::kNumerical:

@@ -50,6 +50,13 @@ enum class FaultKind {
   kDraining,          // the server is going away: try another
   kCancelled,         // the caller gave up
   kDeadlineExceeded,  // the caller's deadline passed
+  kStreamIdle,        // a stream on which nothing was said for too long
+  // Who is asking.
+  kUnauthenticated,   // no identity, or one that does not hold
+  kPermissionDenied,  // an identity that may not do this
+  // Where sessions are kept.
+  kStoreUnavailable,  // the store does not answer or cannot write: try again
+  kDataLoss,          // what was stored is missing or damaged
   // Ours.
   kUnimplemented,  // shaped, not yet filled
   kNumerical,      // a factorisation or a result that should have been finite is not

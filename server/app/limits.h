@@ -8,7 +8,19 @@
 
 namespace arap::app {
 
+// What one owner may have. A token may carry its own numbers.
+struct OwnerLimits {
+  std::size_t max_sessions = 1'000;
+  std::size_t max_meshes = 4'000;                 // registered, in all sessions together
+  std::size_t max_handle_sets = 16'000;           // likewise
+  std::size_t max_bytes = std::size_t{4} << 30u;  // of factors and tables in memory
+  std::size_t max_streams = 256;                  // open streams and running tracks
+
+  bool operator==(const OwnerLimits&) const = default;
+};
+
 struct Limits {
+  OwnerLimits owner;
   std::size_t max_sessions = 1'000;
   std::size_t max_meshes_per_session = 16;
   std::size_t max_handle_sets_per_session = 64;

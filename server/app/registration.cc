@@ -2,8 +2,9 @@
 
 #include <utility>
 
-#include "server/app/content_hash.h"
 #include "server/app/names.h"
+#include "server/runtime/sha256.h"
+#include "server/store/mesh_blob.h"
 
 namespace arap::app {
 namespace {
@@ -20,7 +21,7 @@ Result<Registration> RegisterMesh(Engine& engine, const std::string& session_id,
   if (!mesh_id.empty()) {
     if (auto name = CheckName(mesh_id, "mesh_id"); !name) return Fail(std::move(name.error()));
   }
-  auto hash = ContentHash(mesh, options);
+  auto hash = runtime::Sha256Hex(store::EncodeMesh(mesh, options));
   if (!hash) return Fail(std::move(hash.error()));
   if (mesh_id.empty()) mesh_id = hash->substr(0, kDefaultIdLength);
 

@@ -31,6 +31,9 @@ constexpr milliseconds kNever{0};
 constexpr milliseconds kQuotaRetry{1000};
 constexpr milliseconds kQueueRetry{50};
 constexpr milliseconds kDrainRetry{200};
+constexpr milliseconds kStoreRetry{500};
+// A request beyond a limit is refused until somebody raises the limit.
+constexpr milliseconds kLimitRetry = std::chrono::hours(1);
 
 constexpr Mapping Invalid(const char* reason) {
   return {grpc::StatusCode::INVALID_ARGUMENT, "INVALID_ARGUMENT", reason, kNever};
@@ -78,7 +81,7 @@ constexpr Mapping Map(FaultKind kind) {
     case FaultKind::kNotInjective:
       return Unmet("NOT_INJECTIVE");
     case FaultKind::kMeshTooLarge:
-      return Invalid("MESH_TOO_LARGE");
+      return Exhausted("MESH_TOO_LARGE", kLimitRetry);
     case FaultKind::kInvalidOption:
       return Invalid("INVALID_OPTION");
     case FaultKind::kHandleOutside:
@@ -94,7 +97,7 @@ constexpr Mapping Map(FaultKind kind) {
     case FaultKind::kTargetCount:
       return Invalid("TARGET_COUNT");
     case FaultKind::kTooManyHandles:
-      return Invalid("TOO_MANY_HANDLES");
+      return Exhausted("TOO_MANY_HANDLES", kLimitRetry);
     case FaultKind::kInvalidName:
       return Invalid("INVALID_NAME");
     case FaultKind::kNotFound:
@@ -114,6 +117,17 @@ constexpr Mapping Map(FaultKind kind) {
     case FaultKind::kDeadlineExceeded:
       return {grpc::StatusCode::DEADLINE_EXCEEDED, "DEADLINE_EXCEEDED", "DEADLINE_EXCEEDED",
               kNever};
+    case FaultKind::kStreamIdle:
+      return {grpc::StatusCode::ABORTED, "ABORTED", "STREAM_IDLE", kNever};
+    case FaultKind::kUnauthenticated:
+      return {grpc::StatusCode::UNAUTHENTICATED, "UNAUTHENTICATED", "UNAUTHENTICATED", kNever};
+    case FaultKind::kPermissionDenied:
+      return {grpc::StatusCode::PERMISSION_DENIED, "PERMISSION_DENIED", "PERMISSION_DENIED",
+              kNever};
+    case FaultKind::kStoreUnavailable:
+      return {grpc::StatusCode::UNAVAILABLE, "UNAVAILABLE", "STORE_UNAVAILABLE", kStoreRetry};
+    case FaultKind::kDataLoss:
+      return {grpc::StatusCode::DATA_LOSS, "DATA_LOSS", "DATA_LOSS", kNever};
     case FaultKind::kUnimplemented:
       return {grpc::StatusCode::UNIMPLEMENTED, "UNIMPLEMENTED", "UNIMPLEMENTED", kNever};
     case FaultKind::kNumerical:
@@ -170,12 +184,13 @@ google::rpc::Status ToRpcStatus(const Fault& fault) {
     violation.set_description(status.message());
     status.add_details()->PackFrom(bad_request);
   }
-  // Waiting cures no fault of a field: the request would be as large then.
-  if (mapping.retry != kNever && fault.field.empty()) {
+  if (mapping.retry != kNever) {
+    // A field at fault is as large a second later.
+    const milliseconds delay = fault.field.empty() ? mapping.retry : kLimitRetry;
     google::rpc::RetryInfo retry;
-    retry.mutable_retry_delay()->set_seconds(mapping.retry.count() / 1000);
+    retry.mutable_retry_delay()->set_seconds(delay.count() / 1000);
     retry.mutable_retry_delay()->set_nanos(
-        static_cast<std::int32_t>(mapping.retry.count() % 1000 * 1'000'000));
+        static_cast<std::int32_t>(delay.count() % 1000 * 1'000'000));
     status.add_details()->PackFrom(retry);
   }
   return status;

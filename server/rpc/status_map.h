@@ -2,8 +2,8 @@
 //
 // Every status carries google.rpc.ErrorInfo {reason: an ErrorReason without its prefix, domain:
 // "arapd", metadata: the fault's details and "elements", the first offending ids}, BadRequest when
-// the fault names a field, and RetryInfo with RESOURCE_EXHAUSTED and UNAVAILABLE when it names
-// none.
+// the fault names a field, and RetryInfo with RESOURCE_EXHAUSTED and UNAVAILABLE: an hour where the
+// request itself is beyond a limit.
 #pragma once
 
 #include <string>

@@ -30,7 +30,7 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
 
  private:
   void Work() {
-    const Call call{CancelTokenOf(context_), job_.lane == nullptr ? 0 : waiting_.Micros()};
+    const Call call{{}, CancelTokenOf(context_), job_.lane == nullptr ? 0 : waiting_.Micros()};
     const Status alive = call.cancel.Check();
     End(alive ? job_.work(call) : alive);
   }

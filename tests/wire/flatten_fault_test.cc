@@ -228,14 +228,14 @@ TEST_F(FlattenFaultTest, TooManyTrianglesAreRefusedBeforeAnythingElse) {
   EXPECT_EQ(error.metadata.at("quota"), "max_flatten_triangles");
   EXPECT_EQ(error.metadata.at("limit"), "12");
   EXPECT_THAT(error.fields, ElementsAre("mesh.triangles"));
-  EXPECT_EQ(error.retry_seconds, 0) << "it will be as large later";
+  EXPECT_EQ(error.retry_seconds, 3'600) << "it will be as large a second later";
 }
 
 TEST_F(FlattenFaultTest, MeshLimitsHoldToo) {
   options().limits.max_vertices = 14;
   EXPECT_TRUE(Flat(RequestFor(BentStrip())).uv_size() > 0);
   const WireError error =
-      Refusal(RequestFor(testing::SphereCap(2, 9, 1.0)), grpc::INVALID_ARGUMENT, "MESH_TOO_LARGE");
+      Refusal(RequestFor(testing::SphereCap(2, 9, 1.0)), grpc::RESOURCE_EXHAUSTED, "MESH_TOO_LARGE");
   EXPECT_EQ(error.metadata.at("quota"), "max_vertices");
 }
 

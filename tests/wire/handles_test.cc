@@ -114,7 +114,7 @@ TEST_F(HandlesTest, BadEditChangesNothing) {
                            "INDEX_OUT_OF_RANGE");
   EXPECT_EQ(error.fields, std::vector<std::string>{"add[0]"});
   error = ExpectError(Edit({}, {VertexHandle("d", 1), VertexHandle("e", 2)}),
-                      grpc::INVALID_ARGUMENT, "TOO_MANY_HANDLES");
+                      grpc::RESOURCE_EXHAUSTED, "TOO_MANY_HANDLES");
   EXPECT_EQ(error.metadata.at("limit"), "4");
   EXPECT_EQ(Get("h").revision(), 1u);
   EXPECT_EQ(Get("h").handles_size(), 3);
@@ -139,7 +139,7 @@ TEST_F(HandlesTest, QuotasNameThemselves) {
   std::vector<v1::Handle> handles;
   for (std::uint32_t i = 0; i < 5; ++i) handles.push_back(VertexHandle("v" + std::to_string(i), i));
   error =
-      ExpectError(Compile("s", "m", "large", handles), grpc::INVALID_ARGUMENT, "TOO_MANY_HANDLES");
+      ExpectError(Compile("s", "m", "large", handles), grpc::RESOURCE_EXHAUSTED, "TOO_MANY_HANDLES");
   EXPECT_EQ(error.metadata.at("quota"), "max_handles");
   EXPECT_EQ(error.metadata.at("limit"), "4");
 }

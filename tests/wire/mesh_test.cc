@@ -214,11 +214,11 @@ TEST_F(MeshQuotaTest, VerticesAndTriangles) {
   ASSERT_TRUE(CreateSession("s").ok());
   EXPECT_TRUE(Register("s", "m", Grid(2, 2)).ok());
   auto error =
-      ExpectError(Register("s", "n", Grid(3, 2)), grpc::INVALID_ARGUMENT, "MESH_TOO_LARGE");
+      ExpectError(Register("s", "n", Grid(3, 2)), grpc::RESOURCE_EXHAUSTED, "MESH_TOO_LARGE");
   EXPECT_EQ(error.metadata.at("limit"), "9");
   v1::PlanarMesh mesh = Grid(2, 2);
   AddTriangle(mesh, 0, 1, 8);
-  error = ExpectError(Register("s", "n", mesh), grpc::INVALID_ARGUMENT, "MESH_TOO_LARGE");
+  error = ExpectError(Register("s", "n", mesh), grpc::RESOURCE_EXHAUSTED, "MESH_TOO_LARGE");
   EXPECT_EQ(error.metadata.at("limit"), "8");
 }
 

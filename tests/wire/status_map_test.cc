@@ -53,13 +53,13 @@ TEST(StatusMapTest, OnlyWhatPassesIsToBeRetried) {
   for (int i = 0; i < kKinds; ++i) {
     const auto kind = static_cast<FaultKind>(i);
     const wire::WireError error = wire::Decode(ToGrpcStatus({kind, "A sentence.", {}, {}, {}}));
-    const bool passes = kind == FaultKind::kLimitExceeded || kind == FaultKind::kOverloaded ||
-                        kind == FaultKind::kDraining;
+    const bool passes = error.code == grpc::RESOURCE_EXHAUSTED || error.code == grpc::UNAVAILABLE;
     EXPECT_EQ(error.retry_seconds > 0, passes) << FaultName(kind);
     EXPECT_NE(error.code, grpc::OK);
     EXPECT_NE(error.code, grpc::UNKNOWN);
     const Fault of_the_request{kind, "A sentence.", {}, {}, "mesh.triangles"};
-    EXPECT_EQ(wire::Decode(ToGrpcStatus(of_the_request)).retry_seconds, 0) << FaultName(kind);
+    EXPECT_EQ(wire::Decode(ToGrpcStatus(of_the_request)).retry_seconds, passes ? 3'600 : 0)
+        << FaultName(kind);
   }
 }
 

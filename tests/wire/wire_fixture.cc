@@ -56,8 +56,7 @@ WireError Expect(WireError error, grpc::StatusCode code, const char* reason) {
   EXPECT_EQ(error.domain, "arapd");
   EXPECT_FALSE(error.message.empty());
   const bool passes = code == grpc::RESOURCE_EXHAUSTED || code == grpc::UNAVAILABLE;
-  const bool retryable = passes && error.fields.empty();
-  EXPECT_EQ(error.retry_seconds > 0, retryable);
+  EXPECT_EQ(error.retry_seconds > 0, passes);
   return error;
 }
 
