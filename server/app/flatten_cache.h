@@ -1,55 +1,36 @@
 // FlattenCache: surfaces that callers named, prepared for flattening, so that asking again with
-// other pins or weights does not begin from nothing.
+// other pins or weights does not begin from nothing. A view on the derived data.
 #pragma once
 
 #include <cstddef>
-#include <list>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 
 #include "core/flatten/prepared_surface.h"
+#include "server/app/derived_cache.h"
 
 namespace arap::app {
 
-// Thread-safe. Keeps at most `max_entries` surfaces of at most `max_bytes` together; the ones that
-// were not asked for longest go first.
+// Thread-safe. Keeps at most as many surfaces, of as many bytes together, as the cap of the derived
+// data says; the ones that were not asked for longest go first.
 class FlattenCache {
  public:
-  FlattenCache(std::size_t max_entries, std::size_t max_bytes)
-      : max_entries_(max_entries), max_bytes_(max_bytes) {}
+  explicit FlattenCache(DerivedCache& derived) : derived_(derived) {}
 
-  // What is kept under `key`, or null: nothing, or a surface of other content.
-  std::shared_ptr<const PreparedSurface> Find(const std::string& key,
+  // What `owner` keeps under `key`, or null: nothing, or a surface of other content.
+  std::shared_ptr<const PreparedSurface> Find(const std::string& owner, const std::string& key,
                                               const std::string& content_hash);
 
   // Keeps `surface` instead of whatever `key` named. A surface grows when it is flattened: keeping
-  // it again afterwards counts its bytes anew. One that is larger than `max_bytes` is not kept.
-  void Keep(const std::string& key, const std::string& content_hash,
+  // it again afterwards counts its bytes anew. One that is larger than the cap is not kept.
+  void Keep(const std::string& owner, const std::string& key, const std::string& content_hash,
             std::shared_ptr<const PreparedSurface> surface);
 
-  std::size_t entries() const;
-  std::size_t bytes() const;
+  std::size_t entries() const { return derived_.entries(DerivedKind::kSurface); }
+  std::size_t bytes() const { return derived_.bytes(DerivedKind::kSurface); }
 
  private:
-  struct Entry {
-    std::string key;
-    std::string content_hash;
-    std::shared_ptr<const PreparedSurface> surface;
-    std::size_t bytes = 0;
-  };
-  using Entries = std::list<Entry>;
-
-  // Moves an entry to `gone`, which is freed without the lock: it may be large.
-  void Remove(Entries::iterator entry, Entries& gone);
-
-  const std::size_t max_entries_;
-  const std::size_t max_bytes_;
-  mutable std::mutex mutex_;
-  Entries entries_;                                  // guarded by mutex_; the last used first
-  std::map<std::string, Entries::iterator> by_key_;  // guarded by mutex_
-  std::size_t bytes_ = 0;                            // guarded by mutex_
+  DerivedCache& derived_;
 };
 
 }  // namespace arap::app

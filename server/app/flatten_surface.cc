@@ -9,9 +9,9 @@
 
 namespace arap::app {
 
-Result<FlatAnswer> FlattenSurface(FlattenCache& cache, const std::string& surface_key,
-                                  SurfaceMesh mesh, const FlattenOptions& options,
-                                  const CancelToken& cancel) {
+Result<FlatAnswer> FlattenSurface(FlattenCache& cache, const std::string& owner,
+                                  const std::string& surface_key, SurfaceMesh mesh,
+                                  const FlattenOptions& options, const CancelToken& cancel) {
   if (surface_key.empty()) {
     auto flat = Flatten(std::move(mesh), options, cancel);
     if (!flat) return Fail(std::move(flat.error()));
@@ -22,7 +22,7 @@ Result<FlatAnswer> FlattenSurface(FlattenCache& cache, const std::string& surfac
   }
   auto hash = ContentHash(mesh, options.cut);
   if (!hash) return Fail(std::move(hash.error()));
-  std::shared_ptr<const PreparedSurface> surface = cache.Find(surface_key, *hash);
+  std::shared_ptr<const PreparedSurface> surface = cache.Find(owner, surface_key, *hash);
   const bool cached = surface != nullptr;
   if (!cached) {
     auto prepared = Prepare(std::move(mesh), options.cut, cancel);
@@ -30,7 +30,7 @@ Result<FlatAnswer> FlattenSurface(FlattenCache& cache, const std::string& surfac
     surface = *std::move(prepared);
   }
   auto flat = Flatten(*surface, options, cancel);
-  cache.Keep(surface_key, *hash, std::move(surface));
+  cache.Keep(owner, surface_key, *hash, std::move(surface));
   if (!flat) return Fail(std::move(flat.error()));
   return FlatAnswer{*std::move(flat), cached};
 }

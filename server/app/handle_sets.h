@@ -7,24 +7,27 @@
 #include "core/base/cancel.h"
 #include "core/base/result.h"
 #include "core/deform/handle.h"
+#include "server/app/caller.h"
 #include "server/app/engine.h"
-#include "server/app/session.h"
+#include "server/app/entries.h"
 
 namespace arap::app {
 
-// Takes one back-substitution per constraint row: for the job lane. Compiling the same handles
-// under the same id again is harmless. Faults: kInvalidName, kNotFound, kTooManyHandles,
-// kAlreadyExists, kLimitExceeded and those of CompiledHandles::Compile.
-Result<HandleSetEntry> CompileHandles(Engine& engine, const std::string& session_id,
-                                      const std::string& mesh_id, const std::string& handle_set_id,
+// Takes one back-substitution per constraint row: for the job lane. Stored before it answers.
+// Compiling the same handles under the same id again is harmless. Faults: kInvalidName, kNotFound,
+// kTooManyHandles, kAlreadyExists, kLimitExceeded, those of CompiledHandles::Compile and of the
+// store.
+Result<HandleSetEntry> CompileHandles(Engine& engine, const Caller& caller,
+                                      const std::string& session_id, const std::string& mesh_id,
+                                      const std::string& handle_set_id,
                                       const std::vector<Handle>& handles,
                                       const CancelToken& cancel);
 
 // Removes, then adds, and stores the next revision. Edits of one set that meet are done one after
 // the other. Faults: kNotFound, kUnknownHandle, kTooManyHandles and those of Compile with fields
 // "add[i]…".
-Result<HandleSetEntry> EditHandles(Engine& engine, const std::string& session_id,
-                                   const std::string& handle_set_id,
+Result<HandleSetEntry> EditHandles(Engine& engine, const Caller& caller,
+                                   const std::string& session_id, const std::string& handle_set_id,
                                    const std::vector<std::string>& remove,
                                    const std::vector<Handle>& add, const CancelToken& cancel);
 
@@ -33,5 +36,9 @@ Result<HandleSetEntry> EditEntry(const HandleSetEntry& entry,
                                  const std::vector<std::string>& remove,
                                  const std::vector<Handle>& add, const Limits& limits,
                                  const CancelToken& cancel);
+
+// kNotFound.
+Status DeleteHandleSet(Engine& engine, const Caller& caller, const std::string& session_id,
+                       const std::string& handle_set_id);
 
 }  // namespace arap::app

@@ -34,6 +34,13 @@ struct Limits {
   std::size_t max_flatten_triangles = 2'000'000;
   std::size_t max_cached_surfaces = 64;  // kept under a surface_key, 0 for none
   std::size_t max_cached_surface_bytes = 1u << 30u;
+  std::size_t max_bytes = std::size_t{8} << 30u;  // of factors and tables in memory, of all owners
+  std::size_t max_registrations = 64;             // running and waiting, likewise the next two
+  std::size_t max_compilations = 256;             // edits too
+  std::size_t max_flattenings = 64;
+  double max_stream_fps = 2'000;  // updates a second on one stream
+  std::chrono::milliseconds max_stream_idle = std::chrono::minutes(10);
+  std::chrono::milliseconds idle_evict = std::chrono::minutes(10);  // of what can be computed again
   std::chrono::milliseconds default_ttl = std::chrono::hours(1);
   std::chrono::milliseconds max_ttl = std::chrono::hours(24);
 };

@@ -7,8 +7,8 @@
 #include "core/base/cancel.h"
 #include "core/base/result.h"
 #include "core/deform/deformer.h"
+#include "server/app/entries.h"
 #include "server/app/limits.h"
-#include "server/app/session.h"
 
 namespace arap::app {
 

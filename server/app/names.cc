@@ -45,6 +45,15 @@ Fault NotFound(std::string_view what, std::string_view name) {
   return fault;
 }
 
+Fault Taken(const char* what, const std::string& id, const char* by) {
+  Fault fault{FaultKind::kAlreadyExists,
+              fmt::format("The {} id {} is in use with {}.", what, Quote(id), by),
+              {},
+              {},
+              {}};
+  return fault.Detail("resource", what).Detail("id", id);
+}
+
 Fault QuotaFull(std::string_view quota, std::size_t limit) {
   Fault fault{FaultKind::kLimitExceeded,
               fmt::format("The quota {} of {} is used up.", quota, limit),

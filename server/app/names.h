@@ -23,6 +23,9 @@ std::string Quote(std::string_view text);
 // kNotFound for a session, a mesh or a handle set: NotFound("mesh", "face").
 Fault NotFound(std::string_view what, std::string_view name);
 
+// kAlreadyExists: Taken("mesh", "face", "another mesh").
+Fault Taken(const char* what, const std::string& id, const char* by);
+
 // kLimitExceeded that names the quota: QuotaFull("max_sessions", 1000).
 Fault QuotaFull(std::string_view quota, std::size_t limit);
 

@@ -13,17 +13,26 @@ Fault Draining() {
 
 }  // namespace
 
-Status OpenStreams::Add(const std::shared_ptr<OpenStream>& stream) {
+Status OpenStreams::Add(const std::shared_ptr<OpenStream>& stream, const Caller& caller) {
   const std::lock_guard lock(mutex_);
   if (draining_) return Fail(Draining());
   if (streams_.size() >= limit_) return Fail(QuotaFull("max_streams", limit_));
-  streams_.emplace(stream.get(), stream);
+  const auto owned = by_owner_.find(caller.owner);
+  if (owned != by_owner_.end() && owned->second >= caller.limits.max_streams) {
+    return Fail(QuotaFull("max_streams_per_owner", caller.limits.max_streams));
+  }
+  streams_.emplace(stream.get(), Entry{stream, caller.owner});
+  ++by_owner_[caller.owner];
   return {};
 }
 
 void OpenStreams::Remove(const OpenStream* stream) {
   const std::lock_guard lock(mutex_);
-  streams_.erase(stream);
+  const auto found = streams_.find(stream);
+  if (found == streams_.end()) return;
+  const auto owned = by_owner_.find(found->second.owner);
+  if (--owned->second == 0) by_owner_.erase(owned);
+  streams_.erase(found);
 }
 
 void OpenStreams::Drain() {
@@ -31,8 +40,8 @@ void OpenStreams::Drain() {
   {
     const std::lock_guard lock(mutex_);
     draining_ = true;
-    for (const auto& [key, stream] : streams_) {
-      if (auto alive = stream.lock()) open.push_back(std::move(alive));
+    for (const auto& [key, entry] : streams_) {
+      if (auto alive = entry.stream.lock()) open.push_back(std::move(alive));
     }
   }
   for (const auto& stream : open) stream->End(Draining());

@@ -5,8 +5,10 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <string>
 
 #include "core/base/result.h"
+#include "server/app/caller.h"
 
 namespace arap::app {
 
@@ -24,8 +26,9 @@ class OpenStreams {
  public:
   explicit OpenStreams(std::size_t limit) : limit_(limit) {}
 
-  // kLimitExceeded when `limit` streams are open, kDraining after Drain.
-  Status Add(const std::shared_ptr<OpenStream>& stream);
+  // kLimitExceeded when `limit` streams or max_streams of the caller's owner are open, kDraining
+  // after Drain.
+  Status Add(const std::shared_ptr<OpenStream>& stream, const Caller& caller);
   // Harmless for a stream that was refused.
   void Remove(const OpenStream* stream);
   // Ends all streams with kDraining and refuses new ones.
@@ -35,8 +38,14 @@ class OpenStreams {
  private:
   const std::size_t limit_;
   mutable std::mutex mutex_;
-  bool draining_ = false;                                           // guarded by mutex_
-  std::map<const OpenStream*, std::weak_ptr<OpenStream>> streams_;  // guarded by mutex_
+  struct Entry {
+    std::weak_ptr<OpenStream> stream;
+    std::string owner;
+  };
+  // All below is guarded by mutex_.
+  bool draining_ = false;
+  std::map<const OpenStream*, Entry> streams_;
+  std::map<std::string, std::size_t> by_owner_;
 };
 
 }  // namespace arap::app

@@ -7,8 +7,9 @@
 #include "core/base/result.h"
 #include "core/energy/options.h"
 #include "core/mesh/mesh.h"
+#include "server/app/caller.h"
 #include "server/app/engine.h"
-#include "server/app/session.h"
+#include "server/app/entries.h"
 
 namespace arap::app {
 
@@ -17,12 +18,17 @@ struct Registration {
   bool shared = false;  // the factors were there already
 };
 
-// Validates and factors `mesh`, or finds it done. An empty `mesh_id` stands for the first 32 digits
-// of the content hash. Takes as long as the factorisation: for the job lane. Faults: kInvalidName,
-// kNotFound, kMeshTooLarge, kAlreadyExists, kLimitExceeded and those of RegisteredMesh::Register;
-// nothing is kept then.
-Result<Registration> RegisterMesh(Engine& engine, const std::string& session_id,
-                                  std::string mesh_id, PlanarMesh mesh,
-                                  const EnergyOptions& options, const CancelToken& cancel);
+// Validates and factors `mesh`, or finds it done, and stores it before it answers. An empty
+// `mesh_id` stands for the first 32 digits of the content hash. Takes as long as the factorisation:
+// for the job lane. Faults: kInvalidName, kNotFound, kMeshTooLarge, kAlreadyExists, kLimitExceeded,
+// those of RegisteredMesh::Register and of the store; nothing is kept then.
+Result<Registration> RegisterMesh(Engine& engine, const Caller& caller,
+                                  const std::string& session_id, std::string mesh_id,
+                                  PlanarMesh mesh, const EnergyOptions& options,
+                                  const CancelToken& cancel);
+
+// Forgets it and the handle sets on it. kNotFound.
+Status DeleteMesh(Engine& engine, const Caller& caller, const std::string& session_id,
+                  const std::string& mesh_id);
 
 }  // namespace arap::app

@@ -1,5 +1,5 @@
 // Session: a namespace of meshes and handle sets that ends when it is deleted or unused for too
-// long.
+// long — the record that is stored, with what only this process knows of it.
 #pragma once
 
 #include <chrono>
@@ -8,15 +8,12 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/deform/compiled_handles.h"
-#include "core/deform/registered_mesh.h"
-#include "server/app/limits.h"
 #include "server/runtime/clock.h"
+#include "server/store/session_record.h"
 
 namespace arap::app {
 
@@ -30,24 +27,9 @@ struct SessionSpec {
   bool operator==(const SessionSpec&) const = default;
 };
 
-// A mesh under the id that the client gave it.
-struct MeshEntry {
-  std::string mesh_id;
-  std::string content_hash;
-  std::shared_ptr<const RegisteredMesh> mesh;
-};
-
-// A handle set under the id that the client gave it.
-struct HandleSetEntry {
-  std::string handle_set_id;
-  std::string mesh_id;
-  std::vector<Handle> definitions;  // as the client gave them, after the edits so far
-  std::shared_ptr<const CompiledHandles> handles;
-  std::uint64_t revision = 1;  // grows by one with every edit
-};
-
 // What a session looked like at one moment.
 struct SessionView {
+  std::string owner;
   SessionSpec spec;
   runtime::Clock::Wall created;
   runtime::Clock::Wall expires;
@@ -55,76 +37,61 @@ struct SessionView {
   std::vector<std::string> handle_set_ids;  // ascending
 };
 
-// Thread-safe. Finding copies shared pointers under a short lock: deleting never pulls memory from
-// running work.
+// How much longer than it was told to live a session is stored. Its expiry moves with every use;
+// the store follows with every sweep, and a crash in between must not shorten a life.
+inline constexpr std::chrono::milliseconds kStoredLonger = std::chrono::seconds(30);
+
+// Thread-safe. Records are immutable and shared: looking costs a pointer. Only the registry
+// replaces them.
 class Session {
  public:
+  using Record = std::shared_ptr<const store::SessionRecord>;
   using Listener = std::function<void()>;
 
-  // `clock` outlives the session.
-  Session(SessionSpec spec, const runtime::Clock& clock);
+  // `clock` outlives the session. It expires at `expires` unless it is used.
+  Session(Record record, runtime::Clock::Steady expires, const runtime::Clock& clock);
 
-  const SessionSpec& spec() const { return spec_; }
+  const store::SessionKey& key() const { return key_; }
+  Record record() const;
+  void Replace(Record record);
   SessionView View() const;
 
-  // Extends the life by a ttl from now. kNotFound when it has ended or expired.
+  // Extends the life to a ttl from now. Never blocks. kNotFound when it has ended or expired.
   Status Touch();
   bool expired() const;
+  // The expiry that should be stored, if the stored one is about to be overtaken. Then `Stored`.
+  bool NeedsStoring(runtime::Clock::Wall* expires) const;
+  void Stored(runtime::Clock::Wall expires);
+  runtime::Clock::Wall stored_expires() const;
 
-  // Ends the session: forgets everything, refuses additions, calls the listeners once, in this
-  // thread.
+  // Ends the session and calls the listeners once, in this thread.
   void End();
   // Calls `listener` when the session ends; at once if it has. It must not call back into the
   // session.
   std::uint64_t AddEndListener(Listener listener);
   void RemoveEndListener(std::uint64_t id);
 
-  // The mesh under this id. kNotFound.
-  Result<MeshEntry> FindMesh(const std::string& mesh_id) const;
-  // Asks whether a mesh may be added: the entry when the same mesh is there, nothing when there is
-  // room. kAlreadyExists for another mesh, kLimitExceeded.
-  Result<std::optional<MeshEntry>> OfferMesh(const std::string& mesh_id, const std::string& hash,
-                                             const Limits& limits) const;
-  // Adds it, or returns the same mesh that is there already. Faults: those of OfferMesh, kNotFound.
-  Result<MeshEntry> AddMesh(MeshEntry entry, const Limits& limits);
-  // Forgets it and the handle sets on it. kNotFound.
-  Status DeleteMesh(const std::string& mesh_id);
-
-  // The same for handle sets; "the same" is the same mesh id and the same definitions.
-  Result<HandleSetEntry> FindHandleSet(const std::string& handle_set_id) const;
-  Result<std::optional<HandleSetEntry>> OfferHandleSet(const std::string& handle_set_id,
-                                                       const std::string& mesh_id,
-                                                       const std::vector<Handle>& definitions,
-                                                       const Limits& limits) const;
-  // Also kNotFound when the mesh that the set was compiled on is no longer under its id.
-  Result<HandleSetEntry> AddHandleSet(HandleSetEntry entry, const Limits& limits);
-  // Puts `entry` in the place of its revision − 1. False when that is no longer what is stored.
-  Result<bool> ReplaceHandleSet(const HandleSetEntry& entry);
-  Status DeleteHandleSet(const std::string& handle_set_id);
-
  private:
-  // All with mutex_ held.
-  Result<std::optional<MeshEntry>> OfferMeshLocked(const std::string& mesh_id,
-                                                   const std::string& hash,
-                                                   const Limits& limits) const;
-  Result<std::optional<HandleSetEntry>> OfferHandleSetLocked(const std::string& handle_set_id,
-                                                             const std::string& mesh_id,
-                                                             const std::vector<Handle>& definitions,
-                                                             const Limits& limits) const;
-  Status CheckAliveLocked() const;
+  runtime::Clock::Wall WallExpiryLocked() const;
 
-  const SessionSpec spec_;
+  const store::SessionKey key_;
+  const std::chrono::milliseconds ttl_;
   const runtime::Clock& clock_;
-  const runtime::Clock::Wall created_;
 
   mutable std::mutex mutex_;
   // Guarded by mutex_.
+  Record record_;
   runtime::Clock::Steady expires_;
+  runtime::Clock::Wall stored_expires_;
   bool ended_ = false;
-  std::map<std::string, MeshEntry> meshes_;
-  std::map<std::string, HandleSetEntry> handle_sets_;
   std::uint64_t next_listener_ = 1;
   std::map<std::uint64_t, Listener> listeners_;
 };
+
+// A part of a record. kNotFound.
+Result<store::MeshRecord> FindMesh(const store::SessionRecord& record, const std::string& mesh_id);
+Result<store::HandleSetRecord> FindHandleSet(const store::SessionRecord& record,
+                                             const std::string& handle_set_id);
+SessionView ViewOf(const store::SessionRecord& record, runtime::Clock::Wall expires);
 
 }  // namespace arap::app

@@ -50,9 +50,9 @@ std::unique_ptr<grpc::Server> Build(grpc::ServerBuilder& builder) {
 
 class Host::Impl {
  public:
-  explicit Impl(HostOptions options)
+  Impl(HostOptions options, store::Stores stores)
       : clock_(options.clock ? options.clock : std::make_shared<runtime::SystemClock>()),
-        engine_(options.limits, options.lanes, *clock_),
+        engine_(options.limits, options.lanes, *clock_, std::move(stores)),
         services_(rpc::MakeServices(engine_)),
         listen_(options.listen) {}
 
@@ -103,8 +103,9 @@ class Host::Impl {
       }
     }
     // After the calls: their last jobs finish them.
-    engine_.interactive.Stop();
-    engine_.jobs.Stop();
+    for (runtime::WorkerPool* lane : {&engine_.control, &engine_.interactive, &engine_.jobs}) {
+      lane->Stop();
+    }
   }
 
  private:
@@ -130,7 +131,9 @@ class Host::Impl {
 };
 
 Result<std::unique_ptr<Host>> Host::Start(HostOptions options) {
-  auto impl = std::make_unique<Impl>(options);
+  auto stores = store::OpenStores(options.store);
+  if (!stores) return Fail(std::move(stores.error()));
+  auto impl = std::make_unique<Impl>(options, *std::move(stores));
   auto addresses = impl->Serve(options);
   if (!addresses) return Fail(std::move(addresses.error()));
   return std::unique_ptr<Host>(new Host(std::move(impl), *std::move(addresses)));

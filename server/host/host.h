@@ -19,6 +19,7 @@ struct HostOptions {
   app::Lanes lanes;
   bool reflection = true;
   std::shared_ptr<const runtime::Clock> clock;  // null: the system's
+  store::StoreOptions store;                    // memory unless told
 };
 
 class Host {

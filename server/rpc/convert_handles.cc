@@ -6,8 +6,8 @@
 #include <arap/v1/deformation_service.pb.h>
 #include <fmt/format.h>
 
+#include "server/app/entries.h"
 #include "server/app/names.h"
-#include "server/app/session.h"
 #include "server/rpc/convert_mesh.h"
 
 namespace arap::rpc {

@@ -6,7 +6,7 @@
 #include <arap/v1/geometry.pb.h>
 #include <fmt/format.h>
 
-#include "server/app/session.h"
+#include "server/app/entries.h"
 
 namespace arap::rpc {
 namespace {

@@ -2,6 +2,7 @@
 
 #include "server/app/engine.h"
 #include "server/app/targets.h"
+#include "server/app/warm.h"
 #include "server/rpc/convert_handles.h"
 #include "server/rpc/convert_shape.h"
 #include "server/rpc/handlers.h"
@@ -12,9 +13,10 @@ namespace arap::rpc {
 Status Deform(app::Engine& engine, const v1::DeformRequest& request, const Call& call,
               v1::DeformResponse* response) {
   const runtime::Stopwatch working;
-  auto session = engine.sessions.Use(request.session_id());
+  auto session = SessionOf(engine, call, request.session_id());
   if (!session) return Fail(std::move(session.error()));
-  auto entry = (*session)->FindHandleSet(request.handle_set_id());
+  auto entry =
+      app::WarmHandleSet(engine, call.caller, **session, request.handle_set_id(), call.cancel);
   if (!entry) return Fail(std::move(entry.error()));
   auto options = FromWire(request.options(), engine.limits);
   if (!options) return Fail(std::move(options.error()));

@@ -18,6 +18,7 @@
 #include "server/app/engine.h"
 #include "server/app/names.h"
 #include "server/app/targets.h"
+#include "server/app/warm.h"
 #include "server/rpc/cancel.h"
 #include "server/rpc/convert_handles.h"
 #include "server/rpc/convert_shape.h"
@@ -38,8 +39,9 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
                                  public std::enable_shared_from_this<DeformTrackReactor> {
  public:
   DeformTrackReactor(app::Engine& engine, grpc::CallbackServerContext* context,
-                     const v1::DeformTrackRequest& request)
+                     const v1::DeformTrackRequest& request, app::Caller caller)
       : engine_(engine),
+        caller_(std::move(caller)),
         cancel_(CancelTokenOf(context)),
         request_(request),
         log_("DeformTrack", request.session_id(), false) {}
@@ -47,7 +49,7 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
   void Start() {
     const std::lock_guard lock(mutex_);
     self_ = shared_from_this();
-    if (auto added = engine_.streams.Add(self_); !added) {
+    if (auto added = engine_.streams.Add(self_, caller_); !added) {
       end_ = std::move(added.error());
     } else {
       working_ = engine_.jobs.TryPost([self = self_] { self->RunPrepare(); });
@@ -136,9 +138,9 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
 
   // The jobs' bodies, without mutex_. What they set is theirs while working_.
   Status Prepare() {
-    auto session = engine_.sessions.Use(request_.session_id());
+    auto session = engine_.sessions.Use(caller_.owner, request_.session_id());
     if (!session) return Fail(std::move(session.error()));
-    auto entry = (*session)->FindHandleSet(request_.handle_set_id());
+    auto entry = app::WarmHandleSet(engine_, caller_, **session, request_.handle_set_id(), cancel_);
     if (!entry) return Fail(std::move(entry.error()));
     auto options = FromWire(request_.options(), engine_.limits);
     if (!options) return Fail(std::move(options.error()));
@@ -218,6 +220,7 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
   }
 
   app::Engine& engine_;
+  const app::Caller caller_;
   const CancelToken cancel_;
   const v1::DeformTrackRequest& request_;  // gRPC's, until the call is done
   std::shared_ptr<DeformTrackReactor> self_;
@@ -250,7 +253,8 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
 grpc::ServerWriteReactor<v1::DeformTrackResponse>* DeformTrack(
     app::Engine& engine, grpc::CallbackServerContext* context,
     const v1::DeformTrackRequest* request) {
-  const auto reactor = std::make_shared<DeformTrackReactor>(engine, context, *request);
+  const auto reactor =
+      std::make_shared<DeformTrackReactor>(engine, context, *request, app::Caller{});
   reactor->Start();
   return reactor.get();
 }

@@ -1,6 +1,7 @@
 #include <arap/v1/flattening_service.pb.h>
 
 #include "server/app/engine.h"
+#include "server/app/estimate.h"
 #include "server/app/flatten_surface.h"
 #include "server/rpc/convert_flatten.h"
 #include "server/rpc/convert_mesh.h"
@@ -19,8 +20,10 @@ Status Flatten(app::Engine& engine, const v1::FlattenRequest& request, const Cal
   if (!options) return Fail(std::move(options.error()));
   auto mesh = FromWire(request.mesh(), {limits.max_vertices, limits.max_triangles});
   if (!mesh) return Fail(std::move(mesh.error()));
-  auto answer = app::FlattenSurface(engine.surfaces, request.surface_key(), *std::move(mesh),
-                                    *options, call.cancel);
+  auto room = engine.derived.Reserve(call.caller, app::FlatteningBytes(mesh->triangles.size()));
+  if (!room) return Fail(std::move(room.error()));
+  auto answer = app::FlattenSurface(engine.surfaces, call.caller.owner, request.surface_key(),
+                                    *std::move(mesh), *options, call.cancel);
   if (!answer) return Fail(SpelledForFlatten(std::move(answer.error())));
   if (auto good = ToWire(answer->flat, request, response); !good) return good;
   response->set_surface_cached(answer->cached);

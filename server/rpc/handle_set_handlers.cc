@@ -2,6 +2,7 @@
 
 #include "server/app/engine.h"
 #include "server/app/handle_sets.h"
+#include "server/app/warm.h"
 #include "server/rpc/convert_handles.h"
 #include "server/rpc/convert_session.h"
 #include "server/rpc/handlers.h"
@@ -26,7 +27,7 @@ Status CompileHandles(app::Engine& engine, const v1::CompileHandlesRequest& requ
   const runtime::Stopwatch working;
   auto handles = FromWire(request.handles(), "handles");
   if (!handles) return Fail(std::move(handles.error()));
-  auto entry = app::CompileHandles(engine, request.session_id(), request.mesh_id(),
+  auto entry = app::CompileHandles(engine, call.caller, request.session_id(), request.mesh_id(),
                                    request.handle_set_id(), *handles, call.cancel);
   if (!entry) return Fail(std::move(entry.error()));
   Answer(*entry, call, working, response);
@@ -39,28 +40,27 @@ Status EditHandles(app::Engine& engine, const v1::EditHandlesRequest& request, c
   auto add = FromWire(request.add(), "add");
   if (!add) return Fail(std::move(add.error()));
   auto entry =
-      app::EditHandles(engine, request.session_id(), request.handle_set_id(),
+      app::EditHandles(engine, call.caller, request.session_id(), request.handle_set_id(),
                        {request.remove().begin(), request.remove().end()}, *add, call.cancel);
   if (!entry) return Fail(std::move(entry.error()));
   Answer(*entry, call, working, response);
   return {};
 }
 
-Status GetHandleSet(app::Engine& engine, const v1::GetHandleSetRequest& request, const Call&,
+Status GetHandleSet(app::Engine& engine, const v1::GetHandleSetRequest& request, const Call& call,
                     v1::GetHandleSetResponse* response) {
-  auto session = engine.sessions.Use(request.session_id());
+  auto session = SessionOf(engine, call, request.session_id());
   if (!session) return Fail(std::move(session.error()));
-  auto entry = (*session)->FindHandleSet(request.handle_set_id());
+  auto entry =
+      app::WarmHandleSet(engine, call.caller, **session, request.handle_set_id(), call.cancel);
   if (!entry) return Fail(std::move(entry.error()));
   ToWire(*entry, response->mutable_handle_set());
   return {};
 }
 
-Status DeleteHandleSet(app::Engine& engine, const v1::DeleteHandleSetRequest& request, const Call&,
-                       v1::DeleteHandleSetResponse*) {
-  auto session = engine.sessions.Use(request.session_id());
-  if (!session) return Fail(std::move(session.error()));
-  return (*session)->DeleteHandleSet(request.handle_set_id());
+Status DeleteHandleSet(app::Engine& engine, const v1::DeleteHandleSetRequest& request,
+                       const Call& call, v1::DeleteHandleSetResponse*) {
+  return app::DeleteHandleSet(engine, call.caller, request.session_id(), request.handle_set_id());
 }
 
 }  // namespace arap::rpc

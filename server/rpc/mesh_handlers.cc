@@ -2,6 +2,7 @@
 
 #include "server/app/engine.h"
 #include "server/app/registration.h"
+#include "server/app/warm.h"
 #include "server/rpc/convert_mesh.h"
 #include "server/rpc/convert_session.h"
 #include "server/rpc/handlers.h"
@@ -16,8 +17,8 @@ Status RegisterMesh(app::Engine& engine, const v1::RegisterMeshRequest& request,
   if (!mesh) return Fail(std::move(mesh.error()));
   auto options = FromWire(request.energy(), Weights::kUniform, mesh->triangles.size());
   if (!options) return Fail(std::move(options.error()));
-  auto registration = app::RegisterMesh(engine, request.session_id(), request.mesh_id(),
-                                        *std::move(mesh), *options, call.cancel);
+  auto registration = app::RegisterMesh(engine, call.caller, request.session_id(),
+                                        request.mesh_id(), *std::move(mesh), *options, call.cancel);
   if (!registration) return Fail(std::move(registration.error()));
   ToWire(registration->entry, response->mutable_mesh());
   response->set_shared(registration->shared);
@@ -26,21 +27,19 @@ Status RegisterMesh(app::Engine& engine, const v1::RegisterMeshRequest& request,
   return {};
 }
 
-Status GetMesh(app::Engine& engine, const v1::GetMeshRequest& request, const Call&,
+Status GetMesh(app::Engine& engine, const v1::GetMeshRequest& request, const Call& call,
                v1::GetMeshResponse* response) {
-  auto session = engine.sessions.Use(request.session_id());
+  auto session = SessionOf(engine, call, request.session_id());
   if (!session) return Fail(std::move(session.error()));
-  auto entry = (*session)->FindMesh(request.mesh_id());
+  auto entry = app::WarmMesh(engine, call.caller, **session, request.mesh_id(), call.cancel);
   if (!entry) return Fail(std::move(entry.error()));
   ToWire(*entry, response->mutable_mesh());
   return {};
 }
 
-Status DeleteMesh(app::Engine& engine, const v1::DeleteMeshRequest& request, const Call&,
+Status DeleteMesh(app::Engine& engine, const v1::DeleteMeshRequest& request, const Call& call,
                   v1::DeleteMeshResponse*) {
-  auto session = engine.sessions.Use(request.session_id());
-  if (!session) return Fail(std::move(session.error()));
-  return (*session)->DeleteMesh(request.mesh_id());
+  return app::DeleteMesh(engine, call.caller, request.session_id(), request.mesh_id());
 }
 
 }  // namespace arap::rpc

@@ -7,6 +7,7 @@
 #include <arap/v1/server_service.grpc.pb.h>
 
 #include "server/app/engine.h"
+#include "server/app/warm.h"
 #include "server/rpc/deform_track.h"
 #include "server/rpc/handlers.h"
 #include "server/rpc/stream_deform.h"
@@ -26,8 +27,10 @@ std::string SessionIdOf(const Request& request) {
 
 // What a handler costs decides where it runs.
 enum class Cost {
-  kTrivial,  // a look-up: at once
-  kLight,    // up to a frame, or the freeing of something large: interactive
+  kTrivial,  // says what is known: at once
+  kStore,    // may wait for the store: control
+  kLookUp,   // the same, and when what it looks up was evicted: jobs
+  kFrame,    // computes a frame: interactive; when what it needs was evicted: jobs
   kHeavy,    // factors or back-substitutions: jobs
 };
 
@@ -35,22 +38,57 @@ struct Method {
   const char* name;
   Cost cost;
   bool noisy = false;  // logged at debug only
+  app::Gate* gate = nullptr;
 };
 
 template <class Request, class Response>
 using Handler = Status (*)(app::Engine&, const Request&, const Call&, Response*);
 
+template <class Request>
+bool IsWarm(app::Engine& engine, const app::Session& session, const Request& request) {
+  if constexpr (requires { request.handle_set_id(); }) {
+    return app::IsWarmHandleSet(engine, session, request.handle_set_id());
+  } else if constexpr (requires { request.mesh_id(); }) {
+    return app::IsWarmMesh(engine, session, request.mesh_id());
+  } else {
+    return true;
+  }
+}
+
+// Where the call begins, and where it goes on from there.
+template <class Request>
+void Route(app::Engine& engine, Cost cost, const app::Caller& caller, const Request& request,
+           UnaryJob& job) {
+  job.lane = cost == Cost::kTrivial ? nullptr
+             : cost == Cost::kHeavy ? &engine.jobs
+                                    : &engine.control;
+  if constexpr (requires { request.session_id(); }) {
+    if (cost != Cost::kLookUp && cost != Cost::kFrame) return;
+    runtime::WorkerPool* const warm = cost == Cost::kFrame ? &engine.interactive : nullptr;
+    job.session = engine.sessions.Peek(caller.owner, request.session_id());
+    if (warm != nullptr && job.session && IsWarm(engine, *job.session, request)) {
+      job.lane = warm;
+      return;
+    }
+    job.route = [&engine, &request, warm](Call& call) -> Result<runtime::WorkerPool*> {
+      auto session = SessionOf(engine, call, request.session_id());
+      if (!session) return Fail(std::move(session.error()));
+      call.session = *std::move(session);
+      return IsWarm(engine, *call.session, request) ? warm : &engine.jobs;
+    };
+  }
+}
+
 template <class Request, class Response>
 grpc::ServerUnaryReactor* Run(app::Engine& engine, const Method& method,
                               grpc::CallbackServerContext* context, const Request* request,
                               Response* response, Handler<Request, Response> handler) {
-  runtime::WorkerPool* lane = nullptr;
-  if (method.cost == Cost::kLight) lane = &engine.interactive;
-  if (method.cost == Cost::kHeavy) lane = &engine.jobs;
-  return RunUnary(context, {method.name, SessionIdOf(*request), method.noisy, lane,
-                            [&engine, request, response, handler](const Call& call) {
-                              return handler(engine, *request, call, response);
-                            }});
+  UnaryJob job{method.name, SessionIdOf(*request), method.noisy, nullptr, method.gate, {}, {}, {}};
+  Route(engine, method.cost, {}, *request, job);
+  job.work = [&engine, request, response, handler](const Call& call) {
+    return handler(engine, *request, call, response);
+  };
+  return RunUnary(context, std::move(job));
 }
 
 using Context = grpc::CallbackServerContext;
@@ -62,61 +100,60 @@ class DeformationServiceImpl final : public v1::DeformationService::CallbackServ
 
   Unary* CreateSession(Context* context, const v1::CreateSessionRequest* request,
                        v1::CreateSessionResponse* response) override {
-    return Run(engine_, {"CreateSession", Cost::kLight}, context, request, response,
+    return Run(engine_, {"CreateSession", Cost::kStore}, context, request, response,
                rpc::CreateSession);
   }
   Unary* GetSession(Context* context, const v1::GetSessionRequest* request,
                     v1::GetSessionResponse* response) override {
-    return Run(engine_, {"GetSession", Cost::kTrivial, true}, context, request, response,
+    return Run(engine_, {"GetSession", Cost::kStore, true}, context, request, response,
                rpc::GetSession);
   }
   Unary* ListSessions(Context* context, const v1::ListSessionsRequest* request,
                       v1::ListSessionsResponse* response) override {
-    return Run(engine_, {"ListSessions", Cost::kLight, true}, context, request, response,
+    return Run(engine_, {"ListSessions", Cost::kStore, true}, context, request, response,
                rpc::ListSessions);
   }
   Unary* DeleteSession(Context* context, const v1::DeleteSessionRequest* request,
                        v1::DeleteSessionResponse* response) override {
-    return Run(engine_, {"DeleteSession", Cost::kLight}, context, request, response,
+    return Run(engine_, {"DeleteSession", Cost::kStore}, context, request, response,
                rpc::DeleteSession);
   }
   Unary* RegisterMesh(Context* context, const v1::RegisterMeshRequest* request,
                       v1::RegisterMeshResponse* response) override {
-    return Run(engine_, {"RegisterMesh", Cost::kHeavy}, context, request, response,
-               rpc::RegisterMesh);
+    return Run(engine_, {"RegisterMesh", Cost::kHeavy, false, &engine_.registrations}, context,
+               request, response, rpc::RegisterMesh);
   }
   Unary* GetMesh(Context* context, const v1::GetMeshRequest* request,
                  v1::GetMeshResponse* response) override {
-    return Run(engine_, {"GetMesh", Cost::kTrivial, true}, context, request, response,
-               rpc::GetMesh);
+    return Run(engine_, {"GetMesh", Cost::kLookUp, true}, context, request, response, rpc::GetMesh);
   }
   Unary* DeleteMesh(Context* context, const v1::DeleteMeshRequest* request,
                     v1::DeleteMeshResponse* response) override {
-    return Run(engine_, {"DeleteMesh", Cost::kLight}, context, request, response, rpc::DeleteMesh);
+    return Run(engine_, {"DeleteMesh", Cost::kStore}, context, request, response, rpc::DeleteMesh);
   }
   Unary* CompileHandles(Context* context, const v1::CompileHandlesRequest* request,
                         v1::CompileHandlesResponse* response) override {
-    return Run(engine_, {"CompileHandles", Cost::kHeavy}, context, request, response,
-               rpc::CompileHandles);
+    return Run(engine_, {"CompileHandles", Cost::kHeavy, false, &engine_.compilations}, context,
+               request, response, rpc::CompileHandles);
   }
   Unary* EditHandles(Context* context, const v1::EditHandlesRequest* request,
                      v1::EditHandlesResponse* response) override {
-    return Run(engine_, {"EditHandles", Cost::kHeavy}, context, request, response,
-               rpc::EditHandles);
+    return Run(engine_, {"EditHandles", Cost::kHeavy, false, &engine_.compilations}, context,
+               request, response, rpc::EditHandles);
   }
   Unary* GetHandleSet(Context* context, const v1::GetHandleSetRequest* request,
                       v1::GetHandleSetResponse* response) override {
-    return Run(engine_, {"GetHandleSet", Cost::kLight, true}, context, request, response,
+    return Run(engine_, {"GetHandleSet", Cost::kLookUp, true}, context, request, response,
                rpc::GetHandleSet);
   }
   Unary* DeleteHandleSet(Context* context, const v1::DeleteHandleSetRequest* request,
                          v1::DeleteHandleSetResponse* response) override {
-    return Run(engine_, {"DeleteHandleSet", Cost::kLight}, context, request, response,
+    return Run(engine_, {"DeleteHandleSet", Cost::kStore}, context, request, response,
                rpc::DeleteHandleSet);
   }
   Unary* Deform(Context* context, const v1::DeformRequest* request,
                 v1::DeformResponse* response) override {
-    return Run(engine_, {"Deform", Cost::kLight, true}, context, request, response, rpc::Deform);
+    return Run(engine_, {"Deform", Cost::kFrame, true}, context, request, response, rpc::Deform);
   }
   grpc::ServerWriteReactor<v1::DeformTrackResponse>* DeformTrack(
       Context* context, const v1::DeformTrackRequest* request) override {
@@ -137,7 +174,8 @@ class FlatteningServiceImpl final : public v1::FlatteningService::CallbackServic
 
   Unary* Flatten(Context* context, const v1::FlattenRequest* request,
                  v1::FlattenResponse* response) override {
-    return Run(engine_, {"Flatten", Cost::kHeavy}, context, request, response, rpc::Flatten);
+    return Run(engine_, {"Flatten", Cost::kHeavy, false, &engine_.flattenings}, context, request,
+               response, rpc::Flatten);
   }
 
  private:

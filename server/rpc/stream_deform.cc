@@ -11,13 +11,17 @@
 
 namespace arap::rpc {
 
-StreamDeformReactor::StreamDeformReactor(app::Engine& engine, grpc::CallbackServerContext* context)
-    : engine_(engine), context_(context), log_("StreamDeform", "", false) {}
+StreamDeformReactor::StreamDeformReactor(app::Engine& engine, grpc::CallbackServerContext* context,
+                                         app::Caller caller)
+    : engine_(engine),
+      context_(context),
+      caller_(std::move(caller)),
+      log_("StreamDeform", "", false) {}
 
 void StreamDeformReactor::Start() {
   const std::lock_guard lock(mutex_);
   self_ = shared_from_this();
-  if (auto added = engine_.streams.Add(self_); !added) end_ = std::move(added.error());
+  if (auto added = engine_.streams.Add(self_, caller_); !added) end_ = std::move(added.error());
   Pump();
 }
 
@@ -118,7 +122,7 @@ void StreamDeformReactor::FinishWhenOver() {
 
 grpc::ServerBidiReactor<v1::StreamDeformRequest, v1::StreamDeformResponse>* StreamDeform(
     app::Engine& engine, grpc::CallbackServerContext* context) {
-  const auto reactor = std::make_shared<StreamDeformReactor>(engine, context);
+  const auto reactor = std::make_shared<StreamDeformReactor>(engine, context, app::Caller{});
   reactor->Start();
   return reactor.get();
 }

@@ -12,6 +12,7 @@
 #include <grpcpp/support/server_callback.h>
 
 #include "core/base/result.h"
+#include "server/app/caller.h"
 #include "server/app/engine.h"
 #include "server/app/live_set.h"
 #include "server/app/open_streams.h"
@@ -30,7 +31,8 @@ class StreamDeformReactor final
       public app::OpenStream,
       public std::enable_shared_from_this<StreamDeformReactor> {
  public:
-  StreamDeformReactor(app::Engine& engine, grpc::CallbackServerContext* context);
+  StreamDeformReactor(app::Engine& engine, grpc::CallbackServerContext* context,
+                      app::Caller caller);
   void Start();
 
   void OnReadDone(bool ok) override;
@@ -64,9 +66,11 @@ class StreamDeformReactor final
   Status Merge(const v1::HandleUpdate& update);
 
   // Bodies of the jobs, without mutex_.
+  void RunFind();
   void RunOpen();
   void RunUpdate();
   void RunEdit();
+  Status FindSession();
   Result<app::LiveSet> OpenSet();
   Status Fill(const Deformer& deformer, const ShapeQuality& quality, std::uint64_t sequence,
               std::uint64_t revision, const runtime::Stopwatch& working, double queue_micros,
@@ -79,6 +83,7 @@ class StreamDeformReactor final
 
   app::Engine& engine_;
   grpc::CallbackServerContext* const context_;
+  const app::Caller caller_;
   std::shared_ptr<StreamDeformReactor> self_;  // until OnDone
 
   std::mutex mutex_;

@@ -5,6 +5,7 @@
 
 #include "server/app/names.h"
 #include "server/app/targets.h"
+#include "server/app/warm.h"
 #include "server/rpc/cancel.h"
 #include "server/rpc/convert_handles.h"
 #include "server/rpc/stream_deform_reactor.h"
@@ -65,7 +66,7 @@ void StreamDeformReactor::TakeOpen() {
   job_open_ = std::move(*incoming_.mutable_open());
   log_.Opened(job_open_.session_id());
   work_ = Work::kOpen;
-  if (Post(engine_.interactive, &StreamDeformReactor::RunOpen)) return;
+  if (Post(engine_.control, &StreamDeformReactor::RunFind)) return;
   work_ = Work::kNone;
   EndLocked(app::Overloaded());
 }
@@ -136,10 +137,30 @@ bool StreamDeformReactor::Begin() {
   return true;
 }
 
-Result<app::LiveSet> StreamDeformReactor::OpenSet() {
-  auto session = engine_.sessions.Use(job_open_.session_id());
+Status StreamDeformReactor::FindSession() {
+  auto session = engine_.sessions.Use(caller_.owner, job_open_.session_id());
   if (!session) return Fail(std::move(session.error()));
-  auto entry = (*session)->FindHandleSet(job_open_.handle_set_id());
+  session_ = *std::move(session);
+  return {};
+}
+
+// The store may be slow and what was evicted has to be computed again: neither on the lane of
+// frames.
+void StreamDeformReactor::RunFind() {
+  const Status found = FindSession();
+  if (found && app::IsWarmHandleSet(engine_, *session_, job_open_.handle_set_id())) {
+    return RunOpen();
+  }
+  if (found && Post(engine_.jobs, &StreamDeformReactor::RunOpen)) return;
+  const std::lock_guard lock(mutex_);
+  EndLocked(found ? app::Overloaded() : found.error());
+  work_ = Work::kNone;
+  Pump();
+}
+
+Result<app::LiveSet> StreamDeformReactor::OpenSet() {
+  auto entry = app::WarmHandleSet(engine_, caller_, *session_, job_open_.handle_set_id(),
+                                  CancelTokenOf(context_));
   if (!entry) return Fail(std::move(entry.error()));
   auto options = FromWire(job_open_.options(), engine_.limits);
   if (!options) return Fail(std::move(options.error()));
@@ -152,7 +173,6 @@ Result<app::LiveSet> StreamDeformReactor::OpenSet() {
   }
   options_ = *options;
   latest_ = job_open_.delivery() != v1::DELIVERY_EVERY;
-  session_ = *session;
   end_listener_ = session_->AddEndListener(
       [weak = weak_from_this(), ended = app::NotFound("session", job_open_.session_id())] {
         if (const auto self = weak.lock()) self->End(ended);

@@ -19,30 +19,53 @@ namespace {
 class UnaryReactor final : public grpc::ServerUnaryReactor {
  public:
   UnaryReactor(grpc::CallbackServerContext* context, UnaryJob job)
-      : context_(context), job_(std::move(job)), log_(job_.method, job_.session_id, job_.noisy) {}
+      : job_(std::move(job)), log_(job_.method, job_.session_id, job_.noisy) {
+    call_.cancel = CancelTokenOf(context);
+    call_.session = std::move(job_.session);
+  }
 
   void Start() {
-    if (job_.lane == nullptr) return Work();
-    if (!job_.lane->TryPost([this] { Work(); })) End(Fail(app::Overloaded()));
+    if (job_.gate != nullptr) {
+      auto pass = job_.gate->Enter();
+      if (!pass) return End(Fail(std::move(pass.error())));
+      pass_ = *std::move(pass);
+    }
+    if (job_.lane == nullptr) return Begin();
+    Post(*job_.lane, &UnaryReactor::Begin);
   }
 
   void OnDone() override { delete this; }
 
  private:
+  void Post(runtime::WorkerPool& lane, void (UnaryReactor::*step)()) {
+    if (!lane.TryPost([this, step] { (this->*step)(); })) End(Fail(app::Overloaded()));
+  }
+
+  void Begin() {
+    if (auto alive = call_.cancel.Check(); !alive) return End(alive);
+    if (!job_.route) return Work();
+    auto lane = job_.route(call_);
+    if (!lane) return End(Fail(std::move(lane.error())));
+    if (*lane == nullptr) return Work();
+    Post(**lane, &UnaryReactor::Work);
+  }
+
   void Work() {
-    const Call call{{}, CancelTokenOf(context_), job_.lane == nullptr ? 0 : waiting_.Micros()};
-    const Status alive = call.cancel.Check();
-    End(alive ? job_.work(call) : alive);
+    if (job_.lane != nullptr) call_.queue_micros = waiting_.Micros();
+    const Status alive = call_.cancel.Check();
+    End(alive ? job_.work(call_) : alive);
   }
 
   // The last thing that happens to this object.
   void End(const Status& status) {
+    pass_.reset();
     log_.End(status);
     Finish(status ? grpc::Status::OK : ToGrpcStatus(status.error()));
   }
 
-  grpc::CallbackServerContext* const context_;
-  const UnaryJob job_;
+  UnaryJob job_;
+  Call call_;
+  app::Gate::Pass pass_;
   const RpcLog log_;
   const runtime::Stopwatch waiting_;
 };

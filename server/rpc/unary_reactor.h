@@ -5,6 +5,8 @@
 #include <string>
 
 #include "core/base/result.h"
+#include "server/app/caller.h"
+#include "server/app/gate.h"
 #include "server/rpc/call.h"
 
 namespace grpc {
@@ -19,14 +21,19 @@ namespace arap::rpc {
 
 struct UnaryJob {
   const char* method;
-  std::string session_id;                   // for the log
-  bool noisy = false;                       // for the log
-  runtime::WorkerPool* lane;                // null: the work is trivial and runs at once
+  std::string session_id;                 // for the log
+  bool noisy = false;                     // for the log
+  runtime::WorkerPool* lane;              // where it begins; null: at once in this thread
+  app::Gate* gate = nullptr;              // taken until the call has ended; null: none
+  std::shared_ptr<app::Session> session;  // for Call
+  // Asked where the call begins: the lane on which the work is done, null for this one. May fill
+  // the call. Empty: the work is done where it begins.
+  std::function<Result<runtime::WorkerPool*>(Call&)> route;
   std::function<Status(const Call&)> work;  // fills the response
 };
 
-// Runs the job and finishes the call with its status; a full lane answers kOverloaded, a call that
-// its caller has given up before it started is not begun.
+// Runs the job and finishes the call with its status; a full lane answers kOverloaded, a shut gate
+// kLimitExceeded, and a call that its caller has given up before it started is not begun.
 grpc::ServerUnaryReactor* RunUnary(grpc::CallbackServerContext* context, UnaryJob job);
 
 }  // namespace arap::rpc

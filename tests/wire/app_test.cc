@@ -1,6 +1,7 @@
 // The server's rooms below the wire: sessions, the mesh cache, cancellation, targets, poses.
 #include <complex>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -12,6 +13,7 @@
 #include "server/app/pose.h"
 #include "server/app/registration.h"
 #include "server/app/targets.h"
+#include "server/app/warm.h"
 #include "server/runtime/fake_clock.h"
 
 namespace arap::app {
@@ -32,12 +34,22 @@ Handle AtVertex(const std::string& id, std::uint32_t vertex) {
 class AppTest : public ::testing::Test {
  protected:
   std::shared_ptr<Session> Open(const std::string& id, seconds ttl = seconds(60)) {
-    EXPECT_TRUE(engine_.sessions.Create({id, ttl, {}}));
-    return *engine_.sessions.Use(id);
+    EXPECT_TRUE(engine_.sessions.Create(ann_, {id, ttl, {}}));
+    return *engine_.sessions.Use("ann", id);
   }
+  Result<Registration> Register(const std::string& session, const std::string& mesh,
+                                const EnergyOptions& options = {}, const CancelToken& cancel = {}) {
+    return RegisterMesh(engine_, ann_, session, mesh, Square(), options, cancel);
+  }
+  Result<HandleSetEntry> Compile(const std::string& set, const std::vector<Handle>& handles,
+                                 const CancelToken& cancel = {}) {
+    return CompileHandles(engine_, ann_, "s", "m", set, handles, cancel);
+  }
+  bool IsKept(const std::string& hash) { return engine_.derived.Has(MeshKey("ann", hash)); }
 
   runtime::FakeClock clock_;
-  Engine engine_{Limits{}, Lanes{1, 1, 8}, clock_};
+  const Caller ann_{"ann", Role::kUser, {}};
+  Engine engine_{Limits{}, Lanes{1, 1, 8}, clock_, *store::OpenStores({})};
 };
 
 TEST_F(AppTest, EndOfASessionIsToldOnce) {
@@ -46,7 +58,7 @@ TEST_F(AppTest, EndOfASessionIsToldOnce) {
   int removed = 0;
   session->AddEndListener([&] { ++told; });
   session->RemoveEndListener(session->AddEndListener([&] { ++removed; }));
-  ASSERT_TRUE(engine_.sessions.Delete("s"));
+  ASSERT_TRUE(engine_.sessions.Delete("ann", "s"));
   EXPECT_EQ(told, 1);
   EXPECT_EQ(removed, 0);
   session->End();
@@ -61,59 +73,63 @@ TEST_F(AppTest, ExpiryIsToldWhenSomebodyLooks) {
   session->AddEndListener([&] { ++told; });
   clock_.Advance(seconds(5));
   EXPECT_EQ(told, 0);
-  EXPECT_TRUE(engine_.sessions.List(0, "")->sessions.empty());
+  EXPECT_TRUE(engine_.sessions.List("ann", 0, "")->sessions.empty());
   EXPECT_EQ(told, 1);
   EXPECT_FALSE(session->Touch()) << "an expired session does not come back";
 }
 
 TEST_F(AppTest, EndedSessionTakesNothing) {
   auto session = Open("s");
-  ASSERT_TRUE(RegisterMesh(engine_, "s", "m", Square(), {}, {}));
-  const auto entry = *session->FindMesh("m");
-  ASSERT_TRUE(engine_.sessions.Delete("s"));
-  const auto added = session->AddMesh(entry, engine_.limits);
-  ASSERT_FALSE(added);
-  EXPECT_EQ(added.error().kind, FaultKind::kNotFound);
+  ASSERT_TRUE(engine_.sessions.Delete("ann", "s"));
+  const auto changed = engine_.sessions.Change(*session, [](store::SessionRecord& record) {
+    record.meshes["m"] = {"0"};
+    return Result<bool>(true);
+  });
+  ASSERT_FALSE(changed);
+  EXPECT_EQ(changed.error().kind, FaultKind::kNotFound);
 }
 
-TEST_F(AppTest, CacheHoldsNothingAlive) {
+TEST_F(AppTest, DeletedSessionsFreeTheirMeshes) {
   Open("s");
   Open("t");
-  const auto first = RegisterMesh(engine_, "s", "m", Square(), {}, {});
+  const auto first = Register("s", "m");
   ASSERT_TRUE(first);
-  const auto second = RegisterMesh(engine_, "t", "m", Square(), {}, {});
+  const auto second = Register("t", "m");
   ASSERT_TRUE(second);
   EXPECT_EQ(first->entry.mesh, second->entry.mesh);
   const std::weak_ptr<const RegisteredMesh> mesh = first->entry.mesh;
   const std::string hash = first->entry.content_hash;
-  EXPECT_NE(engine_.meshes.Find(hash), nullptr);
-  ASSERT_TRUE(engine_.sessions.Delete("s"));
-  ASSERT_TRUE(engine_.sessions.Delete("t"));
-  EXPECT_NE(engine_.meshes.Find(hash), nullptr) << "running work still holds it";
+  ASSERT_TRUE(engine_.sessions.Delete("ann", "s"));
+  EXPECT_TRUE(IsKept(hash)) << "the other session has it";
+  ASSERT_TRUE(engine_.sessions.Delete("ann", "t"));
+  EXPECT_FALSE(IsKept(hash));
+  EXPECT_FALSE(mesh.expired()) << "running work still holds it";
+  EXPECT_EQ(engine_.derived.bytes(), mesh.lock()->report().bytes) << "and it still counts";
 }
 
 TEST_F(AppTest, DeletedMeshIsFreed) {
-  auto session = Open("s");
+  Open("s");
   std::weak_ptr<const RegisteredMesh> mesh;
   std::string hash;
   {
-    const auto registration = RegisterMesh(engine_, "s", "m", Square(), {}, {});
+    const auto registration = Register("s", "m");
     ASSERT_TRUE(registration);
     mesh = registration->entry.mesh;
     hash = registration->entry.content_hash;
   }
-  ASSERT_TRUE(CompileHandles(engine_, "s", "m", "h", {AtVertex("a", 0)}, {}));
+  ASSERT_TRUE(Compile("h", {AtVertex("a", 0)}));
   EXPECT_FALSE(mesh.expired());
-  ASSERT_TRUE(session->DeleteMesh("m"));
+  ASSERT_TRUE(DeleteMesh(engine_, ann_, "s", "m"));
   EXPECT_TRUE(mesh.expired());
-  EXPECT_EQ(engine_.meshes.Find(hash), nullptr);
+  EXPECT_FALSE(IsKept(hash));
+  EXPECT_EQ(engine_.derived.bytes(), 0u);
 }
 
 TEST_F(AppTest, OptionsAreContentToo) {
   Open("s");
-  const auto edge = RegisterMesh(engine_, "s", "m", Square(), {}, {});
-  const auto face = RegisterMesh(engine_, "s", "n", Square(), {Basis::kFace, {}, {}}, {});
-  const auto rigid = RegisterMesh(engine_, "s", "o", Square(), {{}, {}, {1, 2}}, {});
+  const auto edge = Register("s", "m");
+  const auto face = Register("s", "n", {Basis::kFace, {}, {}});
+  const auto rigid = Register("s", "o", {{}, {}, {1, 2}});
   ASSERT_TRUE(edge && face && rigid);
   EXPECT_NE(edge->entry.content_hash, face->entry.content_hash);
   EXPECT_NE(edge->entry.content_hash, rigid->entry.content_hash);
@@ -123,44 +139,47 @@ TEST_F(AppTest, CancelledWorkKeepsNothing) {
   auto session = Open("s");
   const CancelToken cancelled(
       [] { return Status(Fail(FaultKind::kCancelled, "The caller has cancelled.")); });
-  const auto mesh = RegisterMesh(engine_, "s", "m", Square(), {}, cancelled);
+  const auto mesh = Register("s", "m", {}, cancelled);
   ASSERT_FALSE(mesh);
   EXPECT_EQ(mesh.error().kind, FaultKind::kCancelled);
-  EXPECT_FALSE(session->FindMesh("m"));
-  ASSERT_TRUE(RegisterMesh(engine_, "s", "m", Square(), {}, {}));
-  const auto set = CompileHandles(engine_, "s", "m", "h", {AtVertex("a", 0)}, cancelled);
+  EXPECT_FALSE(FindMesh(*session->record(), "m"));
+  ASSERT_TRUE(Register("s", "m"));
+  const auto set = Compile("h", {AtVertex("a", 0)}, cancelled);
   ASSERT_FALSE(set);
   EXPECT_EQ(set.error().kind, FaultKind::kCancelled);
-  EXPECT_FALSE(session->FindHandleSet("h"));
+  EXPECT_FALSE(FindHandleSet(*session->record(), "h"));
 }
 
-TEST_F(AppTest, LateEditIsNotStored) {
+TEST_F(AppTest, EditsThatMeetAreDoneOneOnTheOther) {
   auto session = Open("s");
-  ASSERT_TRUE(RegisterMesh(engine_, "s", "m", Square(), {}, {}));
-  ASSERT_TRUE(CompileHandles(engine_, "s", "m", "h", {AtVertex("a", 0)}, {}));
-  const auto entry = *session->FindHandleSet("h");
-  const auto one = EditEntry(entry, {}, {AtVertex("b", 1)}, engine_.limits, {});
-  const auto other = EditEntry(entry, {}, {AtVertex("c", 2)}, engine_.limits, {});
-  ASSERT_TRUE(one && other);
-  EXPECT_TRUE(*session->ReplaceHandleSet(*one));
-  EXPECT_FALSE(*session->ReplaceHandleSet(*other));
-  // Editing through the front door does the second edit on the result of the first.
-  const auto both = EditHandles(engine_, "s", "h", {}, {AtVertex("c", 2)}, {});
+  ASSERT_TRUE(Register("s", "m"));
+  ASSERT_TRUE(Compile("h", {AtVertex("a", 0)}));
+  // While one is being compiled another one is stored: on the first question, once.
+  bool interfered = false;
+  const CancelToken other([&] {
+    if (!std::exchange(interfered, true)) {
+      EXPECT_TRUE(EditHandles(engine_, ann_, "s", "h", {}, {AtVertex("b", 1)}, {}));
+    }
+    return Status{};
+  });
+  const auto both = EditHandles(engine_, ann_, "s", "h", {}, {AtVertex("c", 2)}, other);
   ASSERT_TRUE(both);
+  EXPECT_TRUE(interfered);
   EXPECT_EQ(both->revision, 3u);
   EXPECT_EQ(both->handles->handles().size(), 3u);
+  EXPECT_EQ(FindHandleSet(*session->record(), "h")->definitions.size(), 3u);
 }
 
 class PoseTest : public AppTest {
  protected:
   void SetUp() override {
     Open("s");
-    ASSERT_TRUE(RegisterMesh(engine_, "s", "m", Square(), {}, {}));
+    ASSERT_TRUE(Register("s", "m"));
   }
 
   PlacedHandle Placed(const Handle& handle) {
     const std::string set = "set" + std::to_string(sets_++);
-    const auto entry = CompileHandles(engine_, "s", "m", set, {handle}, {});
+    const auto entry = Compile(set, {handle});
     EXPECT_TRUE(entry);
     return entry->handles->handles().front();
   }

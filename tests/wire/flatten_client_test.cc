@@ -115,7 +115,7 @@ TEST_F(FlattenClientTest, FaultsHaveTheirKinds) {
   const auto large = client.Flatten(Given(testing::Sphere(8, 12)));
   EXPECT_EQ(large.error().kind, FaultKind::kLimitExceeded);
   EXPECT_EQ(client::Detail(large.error(), "limit"), "100");
-  EXPECT_EQ(client::Detail(large.error(), client::kRetryDelayDetail), "");
+  EXPECT_EQ(client::Detail(large.error(), client::kRetryDelayDetail), "3600000");
   EXPECT_EQ(client.GetServerInfo()->limits.max_flatten_triangles, 100u);
 }
 

@@ -234,8 +234,8 @@ TEST_F(FlattenFaultTest, TooManyTrianglesAreRefusedBeforeAnythingElse) {
 TEST_F(FlattenFaultTest, MeshLimitsHoldToo) {
   options().limits.max_vertices = 14;
   EXPECT_TRUE(Flat(RequestFor(BentStrip())).uv_size() > 0);
-  const WireError error =
-      Refusal(RequestFor(testing::SphereCap(2, 9, 1.0)), grpc::RESOURCE_EXHAUSTED, "MESH_TOO_LARGE");
+  const WireError error = Refusal(RequestFor(testing::SphereCap(2, 9, 1.0)),
+                                  grpc::RESOURCE_EXHAUSTED, "MESH_TOO_LARGE");
   EXPECT_EQ(error.metadata.at("quota"), "max_vertices");
 }
 

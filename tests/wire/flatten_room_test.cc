@@ -4,10 +4,21 @@
 #include "server/app/content_hash.h"
 #include "server/app/flatten_cache.h"
 #include "server/app/flatten_surface.h"
+#include "server/runtime/fake_clock.h"
 #include "tests/support/surfaces.h"
 
 namespace arap::app {
 namespace {
+
+// A cache of surfaces by itself.
+struct Cache {
+  Cache(std::size_t entries, std::size_t bytes)
+      : derived(std::size_t{1} << 40u, {entries, bytes}, clock) {}
+
+  runtime::FakeClock clock;
+  DerivedCache derived;
+  FlattenCache surfaces{derived};
+};
 
 std::shared_ptr<const PreparedSurface> Prepared(std::size_t sectors) {
   auto surface = Prepare(testing::SphereCap(4, sectors, 1.5), {});
@@ -19,39 +30,40 @@ TEST(FlattenCacheTest, BytesAreBounded) {
   const auto small = Prepared(10);
   const auto large = Prepared(25);
   ASSERT_GT(large->bytes(), 2 * small->bytes());
-  FlattenCache cache(10, large->bytes());
-  cache.Keep("a", "1", small);
-  cache.Keep("b", "1", small);
-  EXPECT_EQ(cache.bytes(), 2 * small->bytes());
-  cache.Keep("c", "2", large);
-  EXPECT_EQ(cache.entries(), 1u);
-  EXPECT_EQ(cache.bytes(), large->bytes());
-  EXPECT_EQ(cache.Find("a", "1"), nullptr);
-  EXPECT_EQ(cache.Find("c", "2"), large);
-  EXPECT_EQ(cache.Find("c", "3"), nullptr);
-  cache.Keep("c", "1", small);
-  EXPECT_EQ(cache.entries(), 1u);
-  EXPECT_EQ(cache.bytes(), small->bytes());
+  Cache room(10, large->bytes());
+  room.surfaces.Keep("ann", "a", "1", small);
+  room.surfaces.Keep("ann", "b", "1", small);
+  EXPECT_EQ(room.surfaces.bytes(), 2 * small->bytes());
+  room.surfaces.Keep("ann", "c", "2", large);
+  EXPECT_EQ(room.surfaces.entries(), 1u);
+  EXPECT_EQ(room.surfaces.bytes(), large->bytes());
+  EXPECT_EQ(room.surfaces.Find("ann", "a", "1"), nullptr);
+  EXPECT_EQ(room.surfaces.Find("ann", "c", "2"), large);
+  EXPECT_EQ(room.surfaces.Find("ann", "c", "3"), nullptr);
+  EXPECT_EQ(room.surfaces.Find("ben", "c", "2"), nullptr) << "somebody else's";
+  room.surfaces.Keep("ann", "c", "1", small);
+  EXPECT_EQ(room.surfaces.entries(), 1u);
+  EXPECT_EQ(room.surfaces.bytes(), small->bytes());
   EXPECT_EQ(large.use_count(), 1) << "what is pushed out is freed";
 }
 
 TEST(FlattenCacheTest, TooLargeIsNotKept) {
   const auto surface = Prepared(10);
-  FlattenCache cache(10, surface->bytes() - 1);
-  cache.Keep("a", "1", surface);
-  EXPECT_EQ(cache.entries(), 0u);
-  EXPECT_EQ(cache.bytes(), 0u);
+  Cache room(10, surface->bytes() - 1);
+  room.surfaces.Keep("ann", "a", "1", surface);
+  EXPECT_EQ(room.surfaces.entries(), 0u);
+  EXPECT_EQ(room.surfaces.bytes(), 0u);
 }
 
 TEST(FlattenCacheTest, GrowthIsCounted) {
   const auto surface = Prepared(10);
   const std::size_t before = surface->bytes();
-  FlattenCache cache(10, 1u << 30u);
-  cache.Keep("a", "1", surface);
+  Cache room(10, 1u << 30u);
+  room.surfaces.Keep("ann", "a", "1", surface);
   ASSERT_TRUE(Flatten(*surface, {}));
   EXPECT_GT(surface->bytes(), before) << "factors were kept";
-  cache.Keep("a", "1", surface);
-  EXPECT_EQ(cache.bytes(), surface->bytes());
+  room.surfaces.Keep("ann", "a", "1", surface);
+  EXPECT_EQ(room.surfaces.bytes(), surface->bytes());
 }
 
 TEST(SurfaceHashTest, TellsContentsApart) {
@@ -88,13 +100,14 @@ struct Countdown {
 
 void ExpectEndsWhenever(const SurfaceMesh& mesh, const FlattenOptions& options, int at_least) {
   Countdown free{1 << 20};
-  FlattenCache cache(4, 1u << 30u);
-  ASSERT_TRUE(FlattenSurface(cache, "", mesh, options, free.token));
+  Cache room(4, 1u << 30u);
+  ASSERT_TRUE(FlattenSurface(room.surfaces, "ann", "", mesh, options, free.token));
   EXPECT_GE(free.asked, at_least) << "between the phases and in the long loops";
   for (int n = 0; n < free.asked; ++n) {
     Countdown countdown{n};
-    const auto flat = FlattenSurface(cache, n % 2 == 0 ? "" : "key" + std::to_string(n), mesh,
-                                     options, countdown.token);
+    const auto flat =
+        FlattenSurface(room.surfaces, "ann", n % 2 == 0 ? "" : "key" + std::to_string(n), mesh,
+                       options, countdown.token);
     ASSERT_FALSE(flat) << n;
     EXPECT_EQ(flat.error().kind, FaultKind::kCancelled) << n;
     EXPECT_EQ(countdown.asked, n + 1) << "the first no is enough";

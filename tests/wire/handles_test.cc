@@ -138,8 +138,8 @@ TEST_F(HandlesTest, QuotasNameThemselves) {
   EXPECT_EQ(error.metadata.at("quota"), "max_handle_sets_per_session");
   std::vector<v1::Handle> handles;
   for (std::uint32_t i = 0; i < 5; ++i) handles.push_back(VertexHandle("v" + std::to_string(i), i));
-  error =
-      ExpectError(Compile("s", "m", "large", handles), grpc::RESOURCE_EXHAUSTED, "TOO_MANY_HANDLES");
+  error = ExpectError(Compile("s", "m", "large", handles), grpc::RESOURCE_EXHAUSTED,
+                      "TOO_MANY_HANDLES");
   EXPECT_EQ(error.metadata.at("quota"), "max_handles");
   EXPECT_EQ(error.metadata.at("limit"), "4");
 }

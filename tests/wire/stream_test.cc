@@ -405,7 +405,7 @@ TEST_F(StreamTest, DeletedSessionLetsTheFrameInWorkOut) {
   stream.Update(1, Moved(1));
   stream.Update(2, Moved(2));
   stream.Ping(1);
-  ASSERT_TRUE(host().engine().sessions.Delete("s"));
+  ASSERT_TRUE(host().engine().sessions.Delete(app::kNobody, "s"));
   gate.Open();
   EXPECT_EQ(stream.ReadShape().sequence(), 1u);
   EXPECT_FALSE(stream.Read().has_value());
