@@ -1,0 +1,258 @@
+#include "server/runtime/metrics.h"
+
+#include <array>
+#include <map>
+#include <mutex>
+#include <shared_mutex>
+
+#include <prometheus/counter.h>
+#include <prometheus/family.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+
+namespace arap::runtime {
+namespace {
+
+using prometheus::Counter;
+using prometheus::Histogram;
+using prometheus::Registry;
+
+// From a fifth of a frame of a small mesh to the flattening of a million triangles.
+const Histogram::BucketBoundaries& Seconds() {
+  static const Histogram::BucketBoundaries kSeconds = {
+      0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05,
+      0.1,    0.25,    0.5,    1,     2.5,    5,     10,   30,    60};
+  return kSeconds;
+}
+
+// The metrics of one family, found by the values of their labels without building a label map.
+template <class Metric>
+class Series {
+ public:
+  Series(prometheus::Family<Metric>& family, std::string label)
+      : family_(family), label_(std::move(label)) {}
+
+  Metric& Of(std::string_view value) {
+    {
+      const std::shared_lock lock(mutex_);
+      if (const auto found = metrics_.find(value); found != metrics_.end()) return *found->second;
+    }
+    const std::lock_guard lock(mutex_);
+    auto& metric = metrics_[std::string(value)];
+    if (!metric) metric = Add(std::string(value));
+    return *metric;
+  }
+
+ private:
+  Metric* Add(const std::string& value) {
+    if constexpr (std::is_same_v<Metric, Histogram>) {
+      return &family_.Add({{label_, value}}, Seconds());
+    } else {
+      return &family_.Add({{label_, value}});
+    }
+  }
+
+  prometheus::Family<Metric>& family_;
+  const std::string label_;
+  std::shared_mutex mutex_;
+  std::map<std::string, Metric*, std::less<>> metrics_;  // guarded by mutex_
+};
+
+Series<Counter> Counters(Registry& registry, const char* name, const char* help,
+                         const char* label) {
+  return {prometheus::BuildCounter().Name(name).Help(help).Register(registry), label};
+}
+
+Series<Histogram> Histograms(Registry& registry, const char* name, const char* help,
+                             const char* label) {
+  return {prometheus::BuildHistogram().Name(name).Help(help).Register(registry), label};
+}
+
+// What Watch was asked for.
+struct Watched {
+  std::string name;
+  std::string help;
+  prometheus::MetricType type;
+  struct Value {
+    std::vector<prometheus::ClientMetric::Label> labels;
+    std::function<double()> read;
+  };
+  std::vector<Value> values;
+};
+
+prometheus::MetricFamily Read(const Watched& watched) {
+  prometheus::MetricFamily family{watched.name, watched.help, watched.type, {}};
+  for (const Watched::Value& value : watched.values) {
+    prometheus::ClientMetric metric;
+    metric.label = value.labels;
+    (watched.type == prometheus::MetricType::Counter ? metric.counter.value : metric.gauge.value) =
+        value.read();
+    family.metric.push_back(std::move(metric));
+  }
+  return family;
+}
+
+}  // namespace
+
+const char* PhaseName(Phase phase) {
+  switch (phase) {
+    case Phase::kRegister:
+      return "register";
+    case Phase::kCompile:
+      return "compile";
+    case Phase::kEdit:
+      return "edit";
+    case Phase::kFrame:
+      return "frame";
+    case Phase::kTrack:
+      return "track";
+    case Phase::kFlatten:
+      return "flatten";
+    case Phase::kFlattenTopology:
+      return "flatten_topology";
+    case Phase::kFlattenOrder:
+      return "flatten_order";
+    case Phase::kFlattenFactor:
+      return "flatten_factor";
+    case Phase::kFlattenSolve:
+      return "flatten_solve";
+    case Phase::kRebuild:
+      return "rebuild";
+  }
+  return "";
+}
+
+struct Metrics::Impl {
+  Registry registry;
+  prometheus::Family<Counter>& rpcs = prometheus::BuildCounter()
+                                          .Name("arapd_rpcs_total")
+                                          .Help("RPCs that have ended, by method and status code.")
+                                          .Register(registry);
+  std::shared_mutex rpcs_mutex;
+  // Guarded by rpcs_mutex; by method, then code.
+  std::map<std::string, std::map<std::string, Counter*, std::less<>>, std::less<>> rpc_counters;
+
+  Series<Histogram> rpc_seconds =
+      Histograms(registry, "arapd_rpc_seconds", "From the call to its end, by method.", "method");
+  Series<Histogram> queue_seconds =
+      Histograms(registry, "arapd_queue_seconds", "How long jobs waited for a worker.", "lane");
+  Series<Histogram> phase_seconds = Histograms(
+      registry, "arapd_phase_seconds", "How long the work took, without queueing.", "phase");
+  Series<Histogram> store_seconds =
+      Histograms(registry, "arapd_store_seconds", "How long the store took to answer.", "op");
+  Series<Counter> store_failures = Counters(registry, "arapd_store_failures_total",
+                                            "Operations that the store could not do.", "op");
+  Series<Counter> cache_hits =
+      Counters(registry, "arapd_cache_hits_total", "Look-ups that found something.", "cache");
+  Series<Counter> cache_misses =
+      Counters(registry, "arapd_cache_misses_total", "Look-ups that found nothing.", "cache");
+  Series<Counter> evictions =
+      Counters(registry, "arapd_evictions_total", "What a cache has let go.", "cache");
+  Series<Counter> evicted_bytes =
+      Counters(registry, "arapd_evicted_bytes_total", "Bytes of what a cache has let go.", "cache");
+  Counter& coalesced = prometheus::BuildCounter()
+                           .Name("arapd_coalesced_frames_total")
+                           .Help("Updates of streams that newer ones replaced.")
+                           .Register(registry)
+                           .Add({});
+  Series<Counter> rejected = Counters(registry, "arapd_rejected_total",
+                                      "Requests that a quota refused, by its name.", "quota");
+  std::array<Histogram*, kPhases> phases{};
+
+  mutable std::mutex watched_mutex;
+  std::vector<Watched> watched;  // guarded by watched_mutex
+
+  // Phases are served from the start, also those that have not happened yet.
+  Impl() {
+    for (std::size_t i = 0; i < kPhases; ++i) {
+      phases[i] = &phase_seconds.Of(PhaseName(static_cast<runtime::Phase>(i)));
+    }
+  }
+
+  Counter& Rpcs(std::string_view method, std::string_view code) {
+    {
+      const std::shared_lock lock(rpcs_mutex);
+      if (const auto codes = rpc_counters.find(method); codes != rpc_counters.end()) {
+        if (const auto found = codes->second.find(code); found != codes->second.end()) {
+          return *found->second;
+        }
+      }
+    }
+    const std::lock_guard lock(rpcs_mutex);
+    auto& counter = rpc_counters[std::string(method)][std::string(code)];
+    if (!counter) {
+      counter = &rpcs.Add({{"method", std::string(method)}, {"code", std::string(code)}});
+    }
+    return *counter;
+  }
+};
+
+Metrics::Metrics() : impl_(std::make_unique<Impl>()) {}
+
+Metrics::~Metrics() = default;
+
+void Metrics::Rpc(std::string_view method, std::string_view code, double seconds) {
+  impl_->Rpcs(method, code).Increment();
+  impl_->rpc_seconds.Of(method).Observe(seconds);
+}
+
+void Metrics::Queue(std::string_view lane, double seconds) {
+  impl_->queue_seconds.Of(lane).Observe(seconds);
+}
+
+void Metrics::Phase(runtime::Phase phase, double seconds) {
+  impl_->phases.at(static_cast<std::size_t>(phase))->Observe(seconds);
+}
+
+void Metrics::Store(std::string_view operation, double seconds, bool ok) {
+  impl_->store_seconds.Of(operation).Observe(seconds);
+  Counter& failures = impl_->store_failures.Of(operation);
+  if (!ok) failures.Increment();
+}
+
+void Metrics::CacheHit(std::string_view cache) { impl_->cache_hits.Of(cache).Increment(); }
+
+void Metrics::CacheMiss(std::string_view cache) { impl_->cache_misses.Of(cache).Increment(); }
+
+void Metrics::Evicted(std::string_view cache, std::size_t bytes) {
+  impl_->evictions.Of(cache).Increment();
+  impl_->evicted_bytes.Of(cache).Increment(static_cast<double>(bytes));
+}
+
+void Metrics::Coalesced(std::size_t updates) {
+  impl_->coalesced.Increment(static_cast<double>(updates));
+}
+
+void Metrics::Rejected(std::string_view quota) { impl_->rejected.Of(quota).Increment(); }
+
+void Metrics::Watch(const std::string& name, const std::string& help, Kind kind,
+                    const Labels& labels, std::function<double()> read) {
+  Watched::Value value;
+  for (const auto& [key, text] : labels) value.labels.push_back({key, text});
+  value.read = std::move(read);
+  const std::lock_guard lock(impl_->watched_mutex);
+  for (Watched& watched : impl_->watched) {
+    if (watched.name == name) {
+      watched.values.push_back(std::move(value));
+      return;
+    }
+  }
+  impl_->watched.push_back(
+      {name,
+       help,
+       kind == Kind::kCounter ? prometheus::MetricType::Counter : prometheus::MetricType::Gauge,
+       {}});
+  impl_->watched.back().values.push_back(std::move(value));
+}
+
+std::string Metrics::Text() const {
+  std::vector<prometheus::MetricFamily> families = impl_->registry.Collect();
+  {
+    const std::lock_guard lock(impl_->watched_mutex);
+    for (const Watched& watched : impl_->watched) families.push_back(Read(watched));
+  }
+  return prometheus::TextSerializer().Serialize(families);
+}
+
+}  // namespace arap::runtime
