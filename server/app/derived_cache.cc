@@ -85,12 +85,8 @@ bool DerivedCache::MakeRoomLocked(const std::function<bool()>& enough,
     for (auto entry = entries_.end(); entry != entries_.begin() && !enough();) {
       --entry;
       if (entry->value.use_count() > 1 || !counts(*entry)) continue;
-      if (listener_.evicted) listener_.evicted(entry->key.kind, entry->bytes);
       const auto next = std::next(entry);
-      const bool set = entry->key.kind == DerivedKind::kHandleSet;
-      RemoveLocked(entry, gone);
-      // Freed here, since only then it lets go of its mesh.
-      if (set) gone.pop_back();
+      EvictLocked(entry, gone);
       entry = next;
       progress = true;
     }
@@ -110,6 +106,14 @@ void DerivedCache::RemoveLocked(Entries::iterator entry, Garbage& gone) {
   by_key_.erase(entry->key);
   gone.push_back(std::move(entry->value));
   entries_.erase(entry);
+}
+
+void DerivedCache::EvictLocked(Entries::iterator entry, Garbage& gone) {
+  const DerivedKind kind = entry->key.kind;
+  if (listener_.evicted) listener_.evicted(kind, entry->bytes);
+  RemoveLocked(entry, gone);
+  // Freed at once, since only then it lets go of its mesh.
+  if (kind == DerivedKind::kHandleSet) gone.pop_back();
 }
 
 void DerivedCache::DropLeftLocked() {
@@ -171,8 +175,7 @@ DerivedCache::Any DerivedCache::KeepAny(const DerivedKey& key, Any value, std::s
     while (held.entries > surfaces_.entries || held.bytes > surfaces_.bytes) {
       auto oldest = std::prev(entries_.end());
       while (oldest->key.kind != key.kind) --oldest;
-      if (listener_.evicted) listener_.evicted(key.kind, oldest->bytes);
-      RemoveLocked(oldest, gone);
+      EvictLocked(oldest, gone);
     }
   }
   TrimLocked(gone);
@@ -199,16 +202,20 @@ std::size_t DerivedCache::EvictIdle(std::chrono::milliseconds idle) {
   DropLeftLocked();
   const runtime::Clock::Steady now = clock_.SteadyNow();
   std::size_t evicted = 0;
-  for (auto entry = entries_.begin(); entry != entries_.end();) {
-    const auto next = std::next(entry);
-    if (entry->value.use_count() > 1) {
-      entry->used = now;
-    } else if (now - entry->used >= idle) {
-      if (listener_.evicted) listener_.evicted(entry->key.kind, entry->bytes);
-      RemoveLocked(entry, gone);
-      ++evicted;
+  // Sets first: they hold their meshes.
+  for (const bool sets : {true, false}) {
+    for (auto entry = entries_.begin(); entry != entries_.end();) {
+      const auto next = std::next(entry);
+      if ((entry->key.kind == DerivedKind::kHandleSet) == sets) {
+        if (entry->value.use_count() > 1) {
+          entry->used = now;
+        } else if (now - entry->used >= idle) {
+          EvictLocked(entry, gone);
+          ++evicted;
+        }
+      }
+      entry = next;
     }
-    entry = next;
   }
   return evicted;
 }

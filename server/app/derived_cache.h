@@ -125,6 +125,7 @@ class DerivedCache {
 
   // All with mutex_ held.
   void RemoveLocked(Entries::iterator entry, Garbage& gone);
+  void EvictLocked(Entries::iterator entry, Garbage& gone);
   // Evicts entries for which `counts` says yes until `enough`; false when that cannot be reached.
   bool MakeRoomLocked(const std::function<bool()>& enough,
                       const std::function<bool(const Entry&)>& counts, Garbage& gone);
