@@ -78,8 +78,9 @@ constexpr std::array<std::pair<const char*, std::size_t OwnerLimits::*>, 5> kLim
 Status ReadLimits(const json& object, const Place& place, OwnerLimits& limits) {
   if (!object.is_object()) return Fail(place.Bad("limits", "is not an object"));
   for (const auto& [name, value] : object.items()) {
-    const auto* const known = std::find_if(kLimits.begin(), kLimits.end(),
-                                           [&](const auto& limit) { return limit.first == name; });
+    const auto* const known =
+        std::find_if(kLimits.begin(), kLimits.end(),
+                     [&name = name](const auto& limit) { return limit.first == name; });
     const std::string field = "limits." + Shown(name);
     if (known == kLimits.end()) return Fail(place.Bad(field, "is no limit of an owner"));
     if (!value.is_number_unsigned()) return Fail(place.Bad(field, "is not a whole number"));
