@@ -136,6 +136,22 @@ TEST_F(IdentityTest, ClientWithATokenIsServed) {
   ExpectAlive(stream);
 }
 
+TEST_F(IdentityTest, SessionsOfOthersAreAsThoughTheyWereNotThere) {
+  TakeTokens();
+  const client::Client alice = ConnectAs(alice_), bob = ConnectAs(bob_);
+  client::SessionOptions named;
+  named.id = "same";
+  ASSERT_TRUE(alice.CreateSession(named));
+  const auto foreign = bob.AttachSession("same").Get();
+  ASSERT_FALSE(foreign);
+  EXPECT_EQ(foreign.error().kind, FaultKind::kNotFound);
+  EXPECT_EQ(bob.AttachSession("same").Delete().error().kind, FaultKind::kNotFound);
+  EXPECT_TRUE(bob.ListSessions()->sessions.empty());
+  EXPECT_TRUE(bob.CreateSession(named));
+  EXPECT_TRUE(bob.AttachSession("same").Delete());
+  EXPECT_TRUE(alice.AttachSession("same").Get());
+}
+
 TEST_F(IdentityTest, StreamsUnderARevokedTokenEnd) {
   TakeTokens();
   client::DeformStream alices = Open(SetUp(ConnectAs(alice_)));
