@@ -15,6 +15,7 @@
 #include "core/deform/deformer.h"
 #include "server/app/version.h"
 #include "server/host/host.h"
+#include "server/host/listen.h"
 
 namespace {
 
@@ -67,6 +68,30 @@ void AddLimits(CLI::App& app, Flags& flags) {
       ->group("Limits");
 }
 
+void AddAccess(CLI::App& app, arap::host::AccessOptions& access) {
+  constexpr const char* kGroup = "Who may connect";
+  app.add_option("--tls-cert", access.tls.certificate,
+                 "Certificate in PEM: TCP addresses speak TLS. Read again when it changes")
+      ->group(kGroup);
+  app.add_option("--tls-key", access.tls.key, "Its private key in PEM")->group(kGroup);
+  app.add_option("--tls-client-ca", access.tls.client_ca,
+                 "Authorities of client certificates in PEM; the common name is the owner")
+      ->group(kGroup);
+  app.add_flag("--require-client-cert", access.tls.require_client_certificate,
+               "Refuse connections without a client certificate")
+      ->group(kGroup);
+  app.add_option("--token-file", access.token_file,
+                 "Bearer tokens as `arapctl token` writes them; callers need one (or a client "
+                 "certificate). Read again when it changes and at SIGHUP")
+      ->group(kGroup);
+  app.add_flag(std::string("--") + arap::host::kAllowPlaintextFlag, access.allow_plaintext,
+               "Listen beyond this machine without TLS")
+      ->group(kGroup);
+  app.add_flag(std::string("--") + arap::host::kAllowAnyoneFlag, access.allow_anyone,
+               "Listen beyond this machine without asking who is calling")
+      ->group(kGroup);
+}
+
 void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--listen", flags.host.listen,
                  "Address to listen on, host:port (port 0: any free one) or unix:PATH; repeatable")
@@ -83,7 +108,8 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));
   app.add_flag("--reflection,!--no-reflection", flags.host.reflection,
-               "Serve the descriptions of the services (on by default)");
+               "Serve the descriptions of the services (by default only where nobody but this "
+               "machine reaches the server)");
   app.add_option("--drain-seconds", flags.drain_seconds,
                  "How long running calls may go on after SIGINT or SIGTERM")
       ->capture_default_str()
@@ -91,6 +117,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--log-level", flags.log_level, "What goes to stderr")
       ->capture_default_str()
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}));
+  AddAccess(app, flags.host.access);
   AddLimits(app, flags);
   app.set_version_flag("--version", std::string("arapd ") + arap::app::Version());
 }
@@ -109,11 +136,12 @@ void SetUpLog(const std::string& level) {
 }
 
 // Blocked before any thread exists, so that only main takes them.
-sigset_t BlockStopSignals() {
+sigset_t BlockSignals() {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
   return signals;
@@ -132,7 +160,7 @@ int main(int argc, char** argv) {
   flags.host.limits.default_ttl =
       std::min(Milliseconds(flags.default_ttl_seconds), flags.host.limits.max_ttl);
 
-  const sigset_t signals = BlockStopSignals();
+  const sigset_t signals = BlockSignals();
   SetUpLog(flags.log_level);
   auto host = arap::host::Host::Start(flags.host);
   if (!host) {
@@ -147,7 +175,7 @@ int main(int argc, char** argv) {
                flags.host.lanes.workers, flags.host.lanes.job_workers, flags.host.lanes.queue);
 
   int signal = 0;
-  sigwait(&signals, &signal);
+  while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) (void)(*host)->access().Reload();
   spdlog::info("event=draining signal={} streams={}", signal, (*host)->engine().streams.count());
   (*host)->Stop(Milliseconds(flags.drain_seconds));
   spdlog::info("event=stopped");

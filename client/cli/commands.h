@@ -19,6 +19,7 @@ void AddBake(CLI::App& app, Run& run);
 void AddDrag(CLI::App& app, Run& run);
 void AddFlatten(CLI::App& app, Run& run);
 void AddLoad(CLI::App& app, Run& run);
+void AddToken(CLI::App& app, Run& run);
 void AddSample(CLI::App& app, Run& run);
 void AddFigures(CLI::App& app, Run& run);
 

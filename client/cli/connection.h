@@ -1,4 +1,4 @@
-// How a command reaches its server: the flags --server and --spawn.
+// How a command reaches its server: the flags --server and --spawn, and who it says it is.
 #pragma once
 
 #include <optional>
@@ -14,9 +14,15 @@ namespace arap::cli {
 struct ServerFlags {
   std::string server;
   bool spawn = false;
+  client::ConnectOptions connect = {};  // but for the token, which is read when connecting
+  std::string token_file = {};          // empty: the token is in the environment, if there is one
 };
 
-// Exactly one of the two has to be given.
+// The environment variable with the token. Tokens are never on the command line, where others see
+// them.
+inline constexpr const char* kTokenVariable = "ARAPCTL_TOKEN";
+
+// Exactly one of --server and --spawn has to be given; a private server wants no identity.
 void AddServerFlags(CLI::App& command, ServerFlags& flags);
 
 // A connection that stands; it ends, with the spawned server if there is one, when this goes.
@@ -25,18 +31,17 @@ class Connection {
   static Result<Connection> Open(const ServerFlags& flags);
 
   const client::Client& client() const { return client_; }
-  // For further connections.
-  const std::string& address() const { return address_; }
+  // A further connection to the same server.
+  Result<client::Client> Another() const;
 
  private:
-  Connection(std::optional<SpawnedServer> spawned, std::string address, client::Client client);
+  Connection(std::optional<SpawnedServer> spawned, std::string address,
+             client::ConnectOptions options, client::Client client);
 
   std::optional<SpawnedServer> spawned_;  // before the client: it has to outlive it
   std::string address_;
+  client::ConnectOptions options_;
   client::Client client_;
 };
-
-// Connects and waits until the connection stands.
-Result<client::Client> ConnectReady(const std::string& address);
 
 }  // namespace arap::cli

@@ -51,7 +51,7 @@ Result<LoadResult> Load(const LoadOptions& options) {
   if (!connection) return Fail(connection.error());
   std::vector<client::Client> clients{connection->client()};
   while (clients.size() < options.connections) {
-    Result<client::Client> client = ConnectReady(connection->address());
+    Result<client::Client> client = connection->Another();
     if (!client) return Fail(client.error());
     clients.push_back(*std::move(client));
   }

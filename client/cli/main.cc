@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   arap::cli::AddDrag(app, run);
   arap::cli::AddFlatten(app, run);
   arap::cli::AddLoad(app, run);
+  arap::cli::AddToken(app, run);
   arap::cli::AddSample(app, run);
   arap::cli::AddFigures(app, run);
   try {

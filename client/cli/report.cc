@@ -37,6 +37,12 @@ std::string Describe(const Fault& fault) {
 
 int Complain(const Fault& fault) {
   fmt::print(stderr, "arapctl: {}\n", Describe(fault));
+  if (fault.kind == FaultKind::kUnauthenticated) {
+    fmt::print(
+        stderr,
+        "arapctl: the server asks who you are: give --token-file FILE, set ARAPCTL_TOKEN, or "
+        "give --tls-cert and --tls-key; `arapctl token add` makes tokens\n");
+  }
   return kFailed;
 }
 

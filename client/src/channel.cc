@@ -1,6 +1,9 @@
 #include "client/src/channel.h"
 
 #include <chrono>
+#include <utility>
+
+#include "client/src/credentials.h"
 
 namespace arap::client::internal {
 namespace {
@@ -20,7 +23,23 @@ grpc::ChannelArguments Arguments() {
 }  // namespace
 
 Channel::Channel(const std::string& address)
-    : channel_(grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), Arguments())),
+    : Channel(grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), Arguments())) {
+}
+
+Result<std::shared_ptr<Channel>> Channel::Open(const std::string& address,
+                                               const ConnectOptions& options) {
+  if (auto good = Check(address, options); !good) return Fail(std::move(good.error()));
+  auto credentials = CredentialsOf(options);
+  if (!credentials) return Fail(std::move(credentials.error()));
+  grpc::ChannelArguments arguments = Arguments();
+  if (!options.server_name.empty()) arguments.SetSslTargetNameOverride(options.server_name);
+  return std::shared_ptr<Channel>(
+      new Channel(grpc::experimental::CreateCustomChannelWithInterceptors(
+          address, *credentials, arguments, TokenSender(options))));
+}
+
+Channel::Channel(std::shared_ptr<grpc::Channel> channel)
+    : channel_(std::move(channel)),
       deformation_(v1::DeformationService::NewStub(channel_)),
       flattening_(v1::FlatteningService::NewStub(channel_)),
       server_(v1::ServerService::NewStub(channel_)) {}

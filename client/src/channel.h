@@ -8,6 +8,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include "arap/client/call_options.h"
+#include "arap/client/connect_options.h"
 #include "arap/client/error.h"
 #include "arap/v1/deformation_service.grpc.pb.h"
 #include "arap/v1/flattening_service.grpc.pb.h"
@@ -18,7 +19,11 @@ namespace arap::client::internal {
 
 class Channel {
  public:
+  // Plaintext, without a token.
   explicit Channel(const std::string& address);
+  // Faults as Check in credentials.h.
+  static Result<std::shared_ptr<Channel>> Open(const std::string& address,
+                                               const ConnectOptions& options);
 
   grpc::Channel& grpc() const { return *channel_; }
   v1::DeformationService::Stub& deformation() const { return *deformation_; }
@@ -26,6 +31,8 @@ class Channel {
   v1::ServerService::Stub& server() const { return *server_; }
 
  private:
+  explicit Channel(std::shared_ptr<grpc::Channel> channel);
+
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<v1::DeformationService::Stub> deformation_;
   std::unique_ptr<v1::FlatteningService::Stub> flattening_;

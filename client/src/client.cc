@@ -18,6 +18,12 @@ Client Client::Connect(const std::string& address) {
   return Client(std::make_shared<internal::Channel>(address));
 }
 
+Result<Client> Client::Connect(const std::string& address, const ConnectOptions& options) {
+  auto channel = internal::Channel::Open(address, options);
+  if (!channel) return Fail(std::move(channel.error()));
+  return Client(*std::move(channel));
+}
+
 Status Client::WaitReady(std::chrono::milliseconds timeout) const {
   if (channel_->grpc().WaitForConnected(std::chrono::system_clock::now() + timeout)) return {};
   return Fail(FaultKind::kDeadlineExceeded, "no connection to the server in time");

@@ -50,10 +50,12 @@ std::unique_ptr<grpc::Server> Build(grpc::ServerBuilder& builder) {
 
 class Host::Impl {
  public:
-  Impl(HostOptions options, store::Stores stores)
-      : clock_(options.clock ? options.clock : std::make_shared<runtime::SystemClock>()),
+  Impl(const HostOptions& options, std::shared_ptr<const runtime::Clock> clock,
+       std::unique_ptr<Access> access, store::Stores stores)
+      : clock_(std::move(clock)),
+        access_(std::move(access)),
         engine_(options.limits, options.lanes, *clock_, std::move(stores)),
-        services_(rpc::MakeServices(engine_)),
+        services_(rpc::MakeServices(engine_, access_->identity())),
         listen_(options.listen) {}
 
   ~Impl() { Stop(std::chrono::milliseconds::zero()); }
@@ -61,9 +63,11 @@ class Host::Impl {
   Impl& operator=(const Impl&) = delete;
 
   app::Engine& engine() { return engine_; }
+  Access& access() { return *access_; }
 
   Result<std::vector<std::string>> Serve(const HostOptions& options) {
-    if (options.reflection) {
+    const bool local = std::all_of(listen_.begin(), listen_.end(), IsLocal);
+    if (options.reflection.value_or(local)) {
       static std::once_flag once;
       std::call_once(once, grpc::reflection::InitProtoReflectionServerBuilderPlugin);
     }
@@ -72,7 +76,7 @@ class Host::Impl {
     std::vector<int> ports(listen_.size(), 0);
     for (std::size_t i = 0; i < listen_.size(); ++i) {
       if (auto ready = PrepareAddress(listen_[i]); !ready) return Fail(std::move(ready.error()));
-      builder.AddListeningPort(listen_[i], grpc::InsecureServerCredentials(), &ports[i]);
+      builder.AddListeningPort(listen_[i], access_->CredentialsFor(listen_[i]), &ports[i]);
     }
     for (const rpc::NamedService& service : services_) {
       builder.RegisterService(service.service.get());
@@ -124,6 +128,7 @@ class Host::Impl {
 
   // Destroyed from the bottom up: the server before its services before what they work on.
   const std::shared_ptr<const runtime::Clock> clock_;
+  const std::unique_ptr<Access> access_;
   app::Engine engine_;
   const std::vector<rpc::NamedService> services_;
   const std::vector<std::string> listen_;
@@ -131,9 +136,14 @@ class Host::Impl {
 };
 
 Result<std::unique_ptr<Host>> Host::Start(HostOptions options) {
+  std::shared_ptr<const runtime::Clock> clock = options.clock;
+  if (!clock) clock = std::make_shared<runtime::SystemClock>();
+  auto access = Access::Open(options.access, options.listen, options.limits.owner, clock);
+  if (!access) return Fail(std::move(access.error()));
   auto stores = store::OpenStores(options.store);
   if (!stores) return Fail(std::move(stores.error()));
-  auto impl = std::make_unique<Impl>(options, *std::move(stores));
+  auto impl =
+      std::make_unique<Impl>(options, std::move(clock), *std::move(access), *std::move(stores));
   auto addresses = impl->Serve(options);
   if (!addresses) return Fail(std::move(addresses.error()));
   return std::unique_ptr<Host>(new Host(std::move(impl), *std::move(addresses)));
@@ -145,6 +155,8 @@ Host::Host(std::unique_ptr<Impl> impl, std::vector<std::string> addresses)
 Host::~Host() = default;
 
 app::Engine& Host::engine() { return impl_->engine(); }
+
+Access& Host::access() { return impl_->access(); }
 
 void Host::Stop(std::chrono::milliseconds grace) { impl_->Stop(grace); }
 

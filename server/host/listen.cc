@@ -4,7 +4,9 @@
 #include <cerrno>
 #include <cstring>
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -79,6 +81,42 @@ Status PrepareAddress(const std::string& address) {
   const std::size_t colon = address.rfind(':');
   if (colon == std::string::npos || colon == 0 || !IsPort(address.substr(colon + 1))) {
     return Fail(Bad(address, "give host:port or unix:PATH"));
+  }
+  return {};
+}
+
+bool IsLocal(std::string_view address) {
+  if (address.starts_with(kUnix)) return true;
+  std::string host(address.substr(0, address.rfind(':')));
+  if (host == "localhost") return true;
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  constexpr in_addr_t kLoopback = 127;
+  in_addr four{};
+  if (inet_pton(AF_INET, host.c_str(), &four) == 1) {
+    return ntohl(four.s_addr) >> 24u == kLoopback;
+  }
+  in6_addr six{};
+  return inet_pton(AF_INET6, host.c_str(), &six) == 1 && IN6_IS_ADDR_LOOPBACK(&six);
+}
+
+Status CheckExposure(const std::vector<std::string>& addresses, const Exposure& exposure) {
+  for (const std::string& address : addresses) {
+    if (IsLocal(address) || exposure.allow_plaintext) continue;
+    Fault fault{FaultKind::kPermissionDenied, {}, {}, {}, "listen"};
+    if (!exposure.tls) {
+      fault.message = fmt::format(
+          "{} is open to the network and would be plaintext: give --tls-cert and --tls-key, listen "
+          "on loopback or a unix socket, or say --{}.",
+          address, kAllowPlaintextFlag);
+      return Fail(fault.Detail("address", address));
+    }
+    if (!exposure.identity && !exposure.allow_anyone) {
+      fault.message = fmt::format(
+          "{} is open to the network and nobody would be asked who they are: give --token-file or "
+          "--tls-client-ca with --require-client-cert, or say --{}.",
+          address, kAllowAnyoneFlag);
+      return Fail(fault.Detail("address", address));
+    }
   }
   return {};
 }

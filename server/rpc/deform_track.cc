@@ -19,6 +19,7 @@
 #include "server/app/names.h"
 #include "server/app/targets.h"
 #include "server/app/warm.h"
+#include "server/rpc/caller_of.h"
 #include "server/rpc/cancel.h"
 #include "server/rpc/convert_handles.h"
 #include "server/rpc/convert_shape.h"
@@ -46,16 +47,15 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
         request_(request),
         log_("DeformTrack", request.session_id(), false) {}
 
-  void Start() {
-    const std::lock_guard lock(mutex_);
-    self_ = shared_from_this();
-    if (auto added = engine_.streams.Add(self_, caller_); !added) {
-      end_ = std::move(added.error());
-    } else {
-      working_ = engine_.jobs.TryPost([self = self_] { self->RunPrepare(); });
-      if (!working_) end_ = app::Overloaded();
-    }
-    Pump();
+  // `admitted`: what CallerOf says. Nothing is delivered, and OnDone not called, before the RPC's
+  // method has returned.
+  void Start(const grpc::CallbackServerContext& context, const Identity& identity,
+             const Status& admitted) {
+    Begin(admitted);
+    if (!admitted) return;
+    watch_ = WatchCaller(context, identity, caller_, [weak = weak_from_this()](Fault lost) {
+      if (const auto self = weak.lock()) self->End(std::move(lost));
+    });
   }
 
   void End(Fault reason) override {
@@ -79,12 +79,25 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
 
   void OnDone() override {
     engine_.streams.Remove(this);
+    watch_ = {};
     const std::shared_ptr<DeformTrackReactor> self = std::move(self_);
     const std::lock_guard lock(mutex_);
     log_.End(end_status_, fmt::format(" frames={}/{}", written_, request_.frames_size()));
   }
 
  private:
+  void Begin(const Status& admitted) {
+    const std::lock_guard lock(mutex_);
+    self_ = shared_from_this();
+    if (auto added = admitted ? engine_.streams.Add(self_, caller_) : admitted; !added) {
+      end_ = std::move(added.error());
+    } else {
+      working_ = engine_.jobs.TryPost([self = self_] { self->RunPrepare(); });
+      if (!working_) end_ = app::Overloaded();
+    }
+    Pump();
+  }
+
   // Starts whatever has become possible. With mutex_ held.
   void Pump() {
     if (finished_) return;
@@ -221,6 +234,7 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
 
   app::Engine& engine_;
   const app::Caller caller_;
+  app::TokenWatch watch_;  // from Start until OnDone
   const CancelToken cancel_;
   const v1::DeformTrackRequest& request_;  // gRPC's, until the call is done
   std::shared_ptr<DeformTrackReactor> self_;
@@ -251,11 +265,12 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
 }  // namespace
 
 grpc::ServerWriteReactor<v1::DeformTrackResponse>* DeformTrack(
-    app::Engine& engine, grpc::CallbackServerContext* context,
+    app::Engine& engine, const Identity& identity, grpc::CallbackServerContext* context,
     const v1::DeformTrackRequest* request) {
-  const auto reactor =
-      std::make_shared<DeformTrackReactor>(engine, context, *request, app::Caller{});
-  reactor->Start();
+  const auto caller = CallerOf(*context, identity);
+  const auto reactor = std::make_shared<DeformTrackReactor>(engine, context, *request,
+                                                            caller.value_or(app::Caller{}));
+  reactor->Start(*context, identity, caller ? Status() : Fail(caller.error()));
   return reactor.get();
 }
 

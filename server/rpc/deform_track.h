@@ -17,9 +17,11 @@ class DeformTrackResponse;
 
 namespace arap::rpc {
 
-// The reactor of a new call; it owns itself until the call is done.
+struct Identity;
+
+// The reactor of a new call, which CallerOf may refuse; it owns itself until the call is done.
 grpc::ServerWriteReactor<v1::DeformTrackResponse>* DeformTrack(
-    app::Engine& engine, grpc::CallbackServerContext* context,
+    app::Engine& engine, const Identity& identity, grpc::CallbackServerContext* context,
     const v1::DeformTrackRequest* request);
 
 }  // namespace arap::rpc

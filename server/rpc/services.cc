@@ -8,6 +8,7 @@
 
 #include "server/app/engine.h"
 #include "server/app/warm.h"
+#include "server/rpc/caller_of.h"
 #include "server/rpc/deform_track.h"
 #include "server/rpc/handlers.h"
 #include "server/rpc/stream_deform.h"
@@ -39,6 +40,13 @@ struct Method {
   Cost cost;
   bool noisy = false;  // logged at debug only
   app::Gate* gate = nullptr;
+  bool open_to_all = false;  // needs no identity
+};
+
+// What every service works with.
+struct Backend {
+  app::Engine& engine;
+  const Identity& identity;
 };
 
 template <class Request, class Response>
@@ -80,15 +88,21 @@ void Route(app::Engine& engine, Cost cost, const app::Caller& caller, const Requ
 }
 
 template <class Request, class Response>
-grpc::ServerUnaryReactor* Run(app::Engine& engine, const Method& method,
+grpc::ServerUnaryReactor* Run(const Backend& backend, const Method& method,
                               grpc::CallbackServerContext* context, const Request* request,
                               Response* response, Handler<Request, Response> handler) {
   UnaryJob job{method.name, SessionIdOf(*request), method.noisy, nullptr, method.gate, {}, {}, {}};
-  Route(engine, method.cost, {}, *request, job);
-  job.work = [&engine, request, response, handler](const Call& call) {
+  auto caller = CallerOf(*context, backend.identity);
+  // To those who are refused elsewhere, an open method answers as to nobody.
+  if (!caller && method.open_to_all) {
+    caller = app::Caller{app::kNobody, app::Role::kUser, backend.identity.limits};
+  }
+  // What is refused takes no place on a lane and looks nothing up.
+  if (caller) Route(backend.engine, method.cost, *caller, *request, job);
+  job.work = [&engine = backend.engine, request, response, handler](const Call& call) {
     return handler(engine, *request, call, response);
   };
-  return RunUnary(context, std::move(job));
+  return RunUnary(context, caller, std::move(job));
 }
 
 using Context = grpc::CallbackServerContext;
@@ -96,116 +110,118 @@ using Unary = grpc::ServerUnaryReactor;
 
 class DeformationServiceImpl final : public v1::DeformationService::CallbackService {
  public:
-  explicit DeformationServiceImpl(app::Engine& engine) : engine_(engine) {}
+  explicit DeformationServiceImpl(const Backend& backend) : backend_(backend) {}
 
   Unary* CreateSession(Context* context, const v1::CreateSessionRequest* request,
                        v1::CreateSessionResponse* response) override {
-    return Run(engine_, {"CreateSession", Cost::kStore}, context, request, response,
+    return Run(backend_, {"CreateSession", Cost::kStore}, context, request, response,
                rpc::CreateSession);
   }
   Unary* GetSession(Context* context, const v1::GetSessionRequest* request,
                     v1::GetSessionResponse* response) override {
-    return Run(engine_, {"GetSession", Cost::kStore, true}, context, request, response,
+    return Run(backend_, {"GetSession", Cost::kStore, true}, context, request, response,
                rpc::GetSession);
   }
   Unary* ListSessions(Context* context, const v1::ListSessionsRequest* request,
                       v1::ListSessionsResponse* response) override {
-    return Run(engine_, {"ListSessions", Cost::kStore, true}, context, request, response,
+    return Run(backend_, {"ListSessions", Cost::kStore, true}, context, request, response,
                rpc::ListSessions);
   }
   Unary* DeleteSession(Context* context, const v1::DeleteSessionRequest* request,
                        v1::DeleteSessionResponse* response) override {
-    return Run(engine_, {"DeleteSession", Cost::kStore}, context, request, response,
+    return Run(backend_, {"DeleteSession", Cost::kStore}, context, request, response,
                rpc::DeleteSession);
   }
   Unary* RegisterMesh(Context* context, const v1::RegisterMeshRequest* request,
                       v1::RegisterMeshResponse* response) override {
-    return Run(engine_, {"RegisterMesh", Cost::kHeavy, false, &engine_.registrations}, context,
-               request, response, rpc::RegisterMesh);
+    return Run(backend_, {"RegisterMesh", Cost::kHeavy, false, &backend_.engine.registrations},
+               context, request, response, rpc::RegisterMesh);
   }
   Unary* GetMesh(Context* context, const v1::GetMeshRequest* request,
                  v1::GetMeshResponse* response) override {
-    return Run(engine_, {"GetMesh", Cost::kLookUp, true}, context, request, response, rpc::GetMesh);
+    return Run(backend_, {"GetMesh", Cost::kLookUp, true}, context, request, response,
+               rpc::GetMesh);
   }
   Unary* DeleteMesh(Context* context, const v1::DeleteMeshRequest* request,
                     v1::DeleteMeshResponse* response) override {
-    return Run(engine_, {"DeleteMesh", Cost::kStore}, context, request, response, rpc::DeleteMesh);
+    return Run(backend_, {"DeleteMesh", Cost::kStore}, context, request, response, rpc::DeleteMesh);
   }
   Unary* CompileHandles(Context* context, const v1::CompileHandlesRequest* request,
                         v1::CompileHandlesResponse* response) override {
-    return Run(engine_, {"CompileHandles", Cost::kHeavy, false, &engine_.compilations}, context,
-               request, response, rpc::CompileHandles);
+    return Run(backend_, {"CompileHandles", Cost::kHeavy, false, &backend_.engine.compilations},
+               context, request, response, rpc::CompileHandles);
   }
   Unary* EditHandles(Context* context, const v1::EditHandlesRequest* request,
                      v1::EditHandlesResponse* response) override {
-    return Run(engine_, {"EditHandles", Cost::kHeavy, false, &engine_.compilations}, context,
-               request, response, rpc::EditHandles);
+    return Run(backend_, {"EditHandles", Cost::kHeavy, false, &backend_.engine.compilations},
+               context, request, response, rpc::EditHandles);
   }
   Unary* GetHandleSet(Context* context, const v1::GetHandleSetRequest* request,
                       v1::GetHandleSetResponse* response) override {
-    return Run(engine_, {"GetHandleSet", Cost::kLookUp, true}, context, request, response,
+    return Run(backend_, {"GetHandleSet", Cost::kLookUp, true}, context, request, response,
                rpc::GetHandleSet);
   }
   Unary* DeleteHandleSet(Context* context, const v1::DeleteHandleSetRequest* request,
                          v1::DeleteHandleSetResponse* response) override {
-    return Run(engine_, {"DeleteHandleSet", Cost::kStore}, context, request, response,
+    return Run(backend_, {"DeleteHandleSet", Cost::kStore}, context, request, response,
                rpc::DeleteHandleSet);
   }
   Unary* Deform(Context* context, const v1::DeformRequest* request,
                 v1::DeformResponse* response) override {
-    return Run(engine_, {"Deform", Cost::kFrame, true}, context, request, response, rpc::Deform);
+    return Run(backend_, {"Deform", Cost::kFrame, true}, context, request, response, rpc::Deform);
   }
   grpc::ServerWriteReactor<v1::DeformTrackResponse>* DeformTrack(
       Context* context, const v1::DeformTrackRequest* request) override {
-    return rpc::DeformTrack(engine_, context, request);
+    return rpc::DeformTrack(backend_.engine, backend_.identity, context, request);
   }
   grpc::ServerBidiReactor<v1::StreamDeformRequest, v1::StreamDeformResponse>* StreamDeform(
       Context* context) override {
-    return rpc::StreamDeform(engine_, context);
+    return rpc::StreamDeform(backend_.engine, backend_.identity, context);
   }
 
  private:
-  app::Engine& engine_;
+  const Backend backend_;
 };
 
 class FlatteningServiceImpl final : public v1::FlatteningService::CallbackService {
  public:
-  explicit FlatteningServiceImpl(app::Engine& engine) : engine_(engine) {}
+  explicit FlatteningServiceImpl(const Backend& backend) : backend_(backend) {}
 
   Unary* Flatten(Context* context, const v1::FlattenRequest* request,
                  v1::FlattenResponse* response) override {
-    return Run(engine_, {"Flatten", Cost::kHeavy, false, &engine_.flattenings}, context, request,
-               response, rpc::Flatten);
+    return Run(backend_, {"Flatten", Cost::kHeavy, false, &backend_.engine.flattenings}, context,
+               request, response, rpc::Flatten);
   }
 
  private:
-  app::Engine& engine_;
+  const Backend backend_;
 };
 
 class ServerServiceImpl final : public v1::ServerService::CallbackService {
  public:
-  explicit ServerServiceImpl(app::Engine& engine) : engine_(engine) {}
+  explicit ServerServiceImpl(const Backend& backend) : backend_(backend) {}
 
   Unary* GetServerInfo(Context* context, const v1::GetServerInfoRequest* request,
                        v1::GetServerInfoResponse* response) override {
-    return Run(engine_, {"GetServerInfo", Cost::kTrivial, true}, context, request, response,
-               rpc::GetServerInfo);
+    return Run(backend_, {"GetServerInfo", Cost::kTrivial, true, nullptr, true}, context, request,
+               response, rpc::GetServerInfo);
   }
 
  private:
-  app::Engine& engine_;
+  const Backend backend_;
 };
 
 }  // namespace
 
-std::vector<NamedService> MakeServices(app::Engine& engine) {
+std::vector<NamedService> MakeServices(app::Engine& engine, const Identity& identity) {
+  const Backend backend{engine, identity};
   std::vector<NamedService> services;
   services.push_back({v1::DeformationService::service_full_name(),
-                      std::make_unique<DeformationServiceImpl>(engine)});
+                      std::make_unique<DeformationServiceImpl>(backend)});
   services.push_back({v1::FlatteningService::service_full_name(),
-                      std::make_unique<FlatteningServiceImpl>(engine)});
+                      std::make_unique<FlatteningServiceImpl>(backend)});
   services.push_back(
-      {v1::ServerService::service_full_name(), std::make_unique<ServerServiceImpl>(engine)});
+      {v1::ServerService::service_full_name(), std::make_unique<ServerServiceImpl>(backend)});
   return services;
 }
 

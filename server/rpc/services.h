@@ -14,12 +14,15 @@ struct Engine;
 
 namespace arap::rpc {
 
+struct Identity;
+
 struct NamedService {
   std::string name;  // as in the health service, "arap.v1.DeformationService"
   std::unique_ptr<grpc::Service> service;
 };
 
-// `engine` outlives the services, and they outlive the server that they are registered with.
-std::vector<NamedService> MakeServices(app::Engine& engine);
+// `engine` and `identity` outlive the services, and they outlive the server that they are
+// registered with.
+std::vector<NamedService> MakeServices(app::Engine& engine, const Identity& identity);
 
 }  // namespace arap::rpc

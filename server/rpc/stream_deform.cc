@@ -18,11 +18,20 @@ StreamDeformReactor::StreamDeformReactor(app::Engine& engine, grpc::CallbackServ
       caller_(std::move(caller)),
       log_("StreamDeform", "", false) {}
 
-void StreamDeformReactor::Start() {
-  const std::lock_guard lock(mutex_);
-  self_ = shared_from_this();
-  if (auto added = engine_.streams.Add(self_, caller_); !added) end_ = std::move(added.error());
-  Pump();
+// Nothing is delivered, and OnDone not called, before the RPC's method has returned.
+void StreamDeformReactor::Start(const Identity& identity, const Status& admitted) {
+  {
+    const std::lock_guard lock(mutex_);
+    self_ = shared_from_this();
+    if (auto added = admitted ? engine_.streams.Add(self_, caller_) : admitted; !added) {
+      end_ = std::move(added.error());
+    }
+    Pump();
+    if (finished_) return;
+  }
+  watch_ = WatchCaller(*context_, identity, caller_, [weak = weak_from_this()](Fault lost) {
+    if (const auto self = weak.lock()) self->End(std::move(lost));
+  });
 }
 
 void StreamDeformReactor::OnReadDone(bool ok) {
@@ -57,6 +66,7 @@ void StreamDeformReactor::EndLocked(Fault reason) {
 
 void StreamDeformReactor::OnDone() {
   engine_.streams.Remove(this);
+  watch_ = {};
   const std::shared_ptr<StreamDeformReactor> self = std::move(self_);
   std::shared_ptr<app::Session> session;
   {
@@ -121,9 +131,11 @@ void StreamDeformReactor::FinishWhenOver() {
 }
 
 grpc::ServerBidiReactor<v1::StreamDeformRequest, v1::StreamDeformResponse>* StreamDeform(
-    app::Engine& engine, grpc::CallbackServerContext* context) {
-  const auto reactor = std::make_shared<StreamDeformReactor>(engine, context, app::Caller{});
-  reactor->Start();
+    app::Engine& engine, const Identity& identity, grpc::CallbackServerContext* context) {
+  const auto caller = CallerOf(*context, identity);
+  const auto reactor =
+      std::make_shared<StreamDeformReactor>(engine, context, caller.value_or(app::Caller{}));
+  reactor->Start(identity, caller ? Status() : Fail(caller.error()));
   return reactor.get();
 }
 

@@ -25,8 +25,10 @@ class StreamDeformResponse;
 
 namespace arap::rpc {
 
-// The reactor of a new call; it owns itself until the call is done.
+struct Identity;
+
+// The reactor of a new call, which CallerOf may refuse; it owns itself until the call is done.
 grpc::ServerBidiReactor<v1::StreamDeformRequest, v1::StreamDeformResponse>* StreamDeform(
-    app::Engine& engine, grpc::CallbackServerContext* context);
+    app::Engine& engine, const Identity& identity, grpc::CallbackServerContext* context);
 
 }  // namespace arap::rpc

@@ -16,6 +16,7 @@
 #include "server/app/engine.h"
 #include "server/app/live_set.h"
 #include "server/app/open_streams.h"
+#include "server/rpc/caller_of.h"
 #include "server/rpc/convert_shape.h"
 #include "server/rpc/rpc_log.h"
 #include "server/rpc/stream_outbox.h"
@@ -33,7 +34,8 @@ class StreamDeformReactor final
  public:
   StreamDeformReactor(app::Engine& engine, grpc::CallbackServerContext* context,
                       app::Caller caller);
-  void Start();
+  // `admitted`: what CallerOf says. `identity` is looked at before this returns.
+  void Start(const Identity& identity, const Status& admitted);
 
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
@@ -84,6 +86,7 @@ class StreamDeformReactor final
   app::Engine& engine_;
   grpc::CallbackServerContext* const context_;
   const app::Caller caller_;
+  app::TokenWatch watch_;                      // from Start until OnDone
   std::shared_ptr<StreamDeformReactor> self_;  // until OnDone
 
   std::mutex mutex_;

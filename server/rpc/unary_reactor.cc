@@ -24,7 +24,9 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
     call_.session = std::move(job_.session);
   }
 
-  void Start() {
+  void Start(const Result<app::Caller>& caller) {
+    if (!caller) return End(Fail(caller.error()));
+    call_.caller = *caller;
     if (job_.gate != nullptr) {
       auto pass = job_.gate->Enter();
       if (!pass) return End(Fail(std::move(pass.error())));
@@ -72,9 +74,10 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
 
 }  // namespace
 
-grpc::ServerUnaryReactor* RunUnary(grpc::CallbackServerContext* context, UnaryJob job) {
+grpc::ServerUnaryReactor* RunUnary(grpc::CallbackServerContext* context,
+                                   const Result<app::Caller>& caller, UnaryJob job) {
   auto* reactor = new UnaryReactor(context, std::move(job));
-  reactor->Start();
+  reactor->Start(caller);
   return reactor;
 }
 

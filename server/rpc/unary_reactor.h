@@ -32,8 +32,10 @@ struct UnaryJob {
   std::function<Status(const Call&)> work;  // fills the response
 };
 
-// Runs the job and finishes the call with its status; a full lane answers kOverloaded, a shut gate
+// Runs the job for `caller`, what CallerOf says, and finishes the call with its status. A caller
+// who is refused takes no gate and no lane; a full lane answers kOverloaded, a shut gate
 // kLimitExceeded, and a call that its caller has given up before it started is not begun.
-grpc::ServerUnaryReactor* RunUnary(grpc::CallbackServerContext* context, UnaryJob job);
+grpc::ServerUnaryReactor* RunUnary(grpc::CallbackServerContext* context,
+                                   const Result<app::Caller>& caller, UnaryJob job);
 
 }  // namespace arap::rpc

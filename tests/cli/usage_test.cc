@@ -18,7 +18,8 @@ TEST_F(Usage, Version) {
 
 TEST_F(Usage, HelpOfEveryCommand) {
   EXPECT_EQ(Arapctl({"--help"}).code, 0);
-  for (const char* command : {"info", "bake", "drag", "flatten", "load", "sample", "figures"}) {
+  for (const char* command :
+       {"info", "bake", "drag", "flatten", "load", "token", "sample", "figures"}) {
     EXPECT_THAT(Arapctl({"--help"}).out, HasSubstr(command));
     const Outcome outcome = Arapctl({command, "--help"});
     EXPECT_EQ(outcome.code, 0) << command;

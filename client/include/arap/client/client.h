@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "arap/client/call_options.h"
+#include "arap/client/connect_options.h"
 #include "arap/client/error.h"
 #include "arap/client/flatten.h"
 #include "arap/client/mesh.h"
@@ -48,6 +49,10 @@ class Client {
   // `address` is host:port or unix:PATH. Connects in the background, plain text, with a connection
   // of its own; never fails by itself.
   static Client Connect(const std::string& address);
+  // The same with TLS and an identity. kInvalidOption with the field for options that do not go
+  // together, a file that cannot be read, or a token that would travel in plaintext; whether the
+  // server accepts them is the calls' to say (kUnauthenticated; kDraining for a handshake).
+  static Result<Client> Connect(const std::string& address, const ConnectOptions& options);
 
   // Waits until the connection stands. kDeadlineExceeded after `timeout`.
   Status WaitReady(std::chrono::milliseconds timeout) const;

@@ -1,0 +1,86 @@
+#include "server/rpc/caller_of.h"
+
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include <grpcpp/security/auth_context.h>
+#include <grpcpp/server_context.h>
+
+#include "server/app/names.h"
+
+namespace arap::rpc {
+namespace {
+
+constexpr const char* kHeader = "authorization";
+// gRPC's name for it; there is a value only when the handshake has verified the certificate.
+constexpr const char* kCommonName = "x509_common_name";
+
+std::string_view View(grpc::string_ref text) { return {text.data(), text.size()}; }
+
+auto Refused(const char* why) { return Fail(FaultKind::kUnauthenticated, why); }
+
+// The scheme is the same in any case of its letters.
+bool IsBearer(std::string_view scheme) {
+  constexpr std::string_view kBearer = "bearer ";
+  if (scheme.size() != kBearer.size()) return false;
+  for (std::size_t i = 0; i < scheme.size(); ++i) {
+    const char c =
+        scheme[i] >= 'A' && scheme[i] <= 'Z' ? static_cast<char>(scheme[i] - 'A' + 'a') : scheme[i];
+    if (c != kBearer[i]) return false;
+  }
+  return true;
+}
+
+// Nothing without the header; a fault for one that is not a single bearer token.
+Result<std::optional<std::string_view>> TokenOf(const grpc::CallbackServerContext& context) {
+  constexpr std::size_t kScheme = std::string_view("Bearer ").size();
+  const auto [first, last] = context.client_metadata().equal_range(kHeader);
+  if (first == last) return std::optional<std::string_view>();
+  if (std::next(first) != last) return Refused("The header authorization is there twice.");
+  const std::string_view value = View(first->second);
+  if (!IsBearer(value.substr(0, kScheme))) {
+    return Refused("The header authorization is not of the form \"Bearer TOKEN\".");
+  }
+  return std::optional(value.substr(kScheme));
+}
+
+std::optional<std::string> CommonNameOf(const grpc::CallbackServerContext& context) {
+  const auto auth = context.auth_context();
+  if (!auth) return std::nullopt;
+  const auto names = auth->FindPropertyValues(kCommonName);
+  if (names.empty()) return std::nullopt;
+  return std::string(View(names.front()));
+}
+
+}  // namespace
+
+Result<app::Caller> CallerOf(const grpc::CallbackServerContext& context, const Identity& identity) {
+  const auto token = TokenOf(context);
+  if (!token) return Fail(token.error());
+  if (*token) {
+    if (!identity.tokens) return Refused("This server takes no bearer tokens.");
+    return identity.tokens->Check(**token);
+  }
+  if (auto name = CommonNameOf(context)) {
+    if (!app::IsName(*name) || *name == app::kNobody) {
+      return Refused("The common name of the client certificate is not a name of an owner.");
+    }
+    return app::Caller{*std::move(name), app::Role::kUser, identity.limits};
+  }
+  if (identity.demanded) {
+    return Refused(identity.tokens
+                       ? "This server wants to know who is calling: send a bearer token."
+                       : "This server wants to know who is calling: use a client certificate.");
+  }
+  return app::Caller{app::kNobody, app::Role::kUser, identity.limits};
+}
+
+app::TokenWatch WatchCaller(const grpc::CallbackServerContext& context, const Identity& identity,
+                            const app::Caller& caller, std::function<void(Fault)> lost) {
+  const auto token = TokenOf(context);
+  if (!identity.tokens || !token || !*token) return {};
+  return identity.tokens->Watch(app::TokenFile::IdOf(**token), caller.owner, std::move(lost));
+}
+
+}  // namespace arap::rpc

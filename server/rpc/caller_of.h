@@ -1,0 +1,38 @@
+// Who is behind a call: a bearer token, else a client certificate, else nobody.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "core/base/result.h"
+#include "server/app/caller.h"
+#include "server/app/tokens.h"
+
+namespace grpc {
+class CallbackServerContext;
+}
+
+namespace arap::rpc {
+
+// What a server asks of its callers. The default takes whoever comes.
+struct Identity {
+  std::shared_ptr<app::Tokens> tokens;  // null: tokens are refused
+  bool demanded = false;                // those without identity are refused
+  app::OwnerLimits limits;              // of owners that come without a token
+};
+
+// The header "authorization: Bearer TOKEN" decides when it is there: a token that does not hold is
+// never excused by a certificate. Without it the common name of a verified client certificate is
+// the owner, with the role of a user. Without either the owner is kNobody. Faults:
+// kUnauthenticated, which says what is missing and nothing of what was sent. The header
+// x-session-id plays no part.
+Result<app::Caller> CallerOf(const grpc::CallbackServerContext& context, const Identity& identity);
+
+// For calls that last: `lost` runs at most once, with kUnauthenticated, when the token that the
+// call came with does not hold any more; see Tokens::Watch. Watches nothing for a call without
+// token.
+app::TokenWatch WatchCaller(const grpc::CallbackServerContext& context, const Identity& identity,
+                            const app::Caller& caller, std::function<void(Fault)> lost);
+
+}  // namespace arap::rpc

@@ -1,0 +1,178 @@
+// arapctl token against the server's own reader, and the flags that say who is asking.
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <regex>
+#include <sstream>
+
+#include <gmock/gmock.h>
+
+#include "server/app/token_file.h"
+#include "server/host/host.h"
+#include "tests/cli/run.h"
+
+namespace arap::cli {
+namespace {
+
+using std::filesystem::perms;
+using testing::HasSubstr;
+using testing::Not;
+
+class TokenCommand : public FolderTest {
+ protected:
+  std::string file() const { return Path("tokens.json"); }
+  // Makes a token and answers it.
+  std::string Add(std::vector<std::string> more) const {
+    std::vector<std::string> arguments{"token", "add", "--file", file(), "--owner"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = Arapctl(arguments);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    std::string token = outcome.out;
+    EXPECT_TRUE(std::regex_match(token, std::regex("arapd_[0-9a-f]{32}_[0-9a-f]{64}\n"))) << token;
+    token.pop_back();
+    EXPECT_THAT(outcome.err, Not(HasSubstr(token)));
+    return token;
+  }
+  // As the server reads it.
+  app::TokenFile Read() const {
+    auto read = app::TokenFile::Read(file(), app::OwnerLimits{});
+    EXPECT_TRUE(read) << read.error().message;
+    return read.value_or(app::TokenFile());
+  }
+  static Result<app::Caller> Check(const app::TokenFile& tokens, const std::string& token) {
+    return tokens.Check(token, std::chrono::system_clock::now());
+  }
+};
+
+TEST_F(TokenCommand, TheServerKnowsTheTokensThatItMakes) {
+  const std::string alice = Add({"alice"});
+  const std::string root = Add({"root", "--role", "admin", "--max-sessions", "3", "--max-bytes",
+                                "1000000000000", "--expires-days", "2"});
+  const app::TokenFile tokens = Read();
+  EXPECT_EQ(tokens.size(), 2u);
+  const auto user = Check(tokens, alice);
+  ASSERT_TRUE(user);
+  EXPECT_EQ(user->owner, "alice");
+  EXPECT_EQ(user->role, app::Role::kUser);
+  EXPECT_EQ(user->limits, app::OwnerLimits{});
+  const auto admin = Check(tokens, root);
+  ASSERT_TRUE(admin);
+  EXPECT_EQ(admin->role, app::Role::kAdmin);
+  EXPECT_EQ(admin->limits.max_sessions, 3u);
+  EXPECT_EQ(admin->limits.max_bytes, 1'000'000'000'000u);
+  const auto now = std::chrono::system_clock::now();
+  EXPECT_TRUE(tokens.Check(root, now + std::chrono::hours(47)));
+  EXPECT_FALSE(tokens.Check(root, now + std::chrono::hours(49)));
+}
+
+TEST_F(TokenCommand, TheFileKeepsNoSecretAndLetsNobodyIn) {
+  const std::string token = Add({"alice"});
+  const std::string text = Slurp(file());
+  EXPECT_THAT(text, HasSubstr("alice"));
+  EXPECT_THAT(text, Not(HasSubstr(token.substr(token.rfind('_') + 1))));
+  EXPECT_EQ(std::filesystem::status(file()).permissions(), perms::owner_read | perms::owner_write);
+  // What its group could read it still can, and others cannot.
+  std::filesystem::permissions(file(), perms::owner_read | perms::group_read | perms::others_read);
+  Add({"bob"});
+  EXPECT_EQ(std::filesystem::status(file()).permissions(), perms::owner_read | perms::group_read);
+  EXPECT_EQ(Read().size(), 2u);
+}
+
+TEST_F(TokenCommand, ListsAndRevokes) {
+  const std::string alice = Add({"alice"}), bob = Add({"bob"}), again = Add({"bob"});
+  const std::string id(app::TokenFile::IdOf(alice));
+  const Outcome list = Arapctl({"token", "list", "--file", file()});
+  EXPECT_EQ(list.code, 0);
+  EXPECT_THAT(list.out, HasSubstr(id + " alice user never"));
+  EXPECT_EQ(std::count(list.out.begin(), list.out.end(), '\n'), 3);
+  EXPECT_EQ(Arapctl({"token", "revoke", "--file", file(), "--id", id}).code, 0);
+  EXPECT_FALSE(Check(Read(), alice));
+  EXPECT_TRUE(Check(Read(), bob));
+  EXPECT_EQ(Arapctl({"token", "revoke", "--file", file(), "--id", id}).code, 1);
+  EXPECT_EQ(Arapctl({"token", "revoke", "--file", file(), "--owner", "bob"}).code, 0);
+  EXPECT_EQ(Read().size(), 0u);
+}
+
+TEST_F(TokenCommand, WrongCommandLinesAndFiles) {
+  for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
+           {"token"},
+           {"token", "add", "--file", file()},
+           {"token", "add", "--owner", "a"},
+           {"token", "add", "--file", file(), "--owner", "a/b"},
+           {"token", "add", "--file", file(), "--owner", "anonymous"},
+           {"token", "add", "--file", file(), "--owner", "a", "--role", "king"},
+           {"token", "add", "--file", file(), "--owner", "a", "--expires-days", "0"},
+           {"token", "add", "--file", file(), "--owner", "a", "--max-sessions", "-1"},
+           {"token", "revoke", "--file", file()},
+           {"info", "--spawn", "--tls"},
+           {"info", "--spawn", "--token-file", file()}}) {
+    EXPECT_EQ(Arapctl(wrong).code, 2) << testing::PrintToString(wrong);
+  }
+  EXPECT_FALSE(std::filesystem::exists(file()));
+  EXPECT_EQ(Arapctl({"token", "list", "--file", file()}).code, 1);
+  for (const char* bad : {"{}", "[1]", R"([{"id": 3}])", R"([{"id": "a", "note": "x"}])"}) {
+    Put("tokens.json", bad);
+    const Outcome outcome = Arapctl({"token", "add", "--file", file(), "--owner", "a"});
+    EXPECT_EQ(outcome.code, 1) << bad;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(Slurp(file()), bad);
+  }
+}
+
+// A server that wants tokens, on a socket.
+class TokenFlags : public TokenCommand {
+ protected:
+  void Start() {
+    host::HostOptions options;
+    address_ = "unix:" + Path("arapd.sock");
+    options.listen = {address_};
+    options.access.token_file = file();
+    auto host = host::Host::Start(options);
+    ASSERT_TRUE(host) << host.error().message;
+    host_ = *std::move(host);
+  }
+  Outcome Load(std::vector<std::string> more) const {
+    std::vector<std::string> arguments{"load", "--streams", "1", "--seconds", "0.1",   "--vertices",
+                                       "16",   "--handles", "2", "--server",  address_};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Arapctl(arguments);
+  }
+
+ private:
+  std::string address_;
+  std::unique_ptr<host::Host> host_;
+};
+
+TEST_F(TokenFlags, TokensComeFromAFileOrTheEnvironment) {
+  const std::string token = Add({"alice"});
+  Start();
+  const Outcome nobody = Load({});
+  EXPECT_EQ(nobody.code, 1);
+  const std::string token_file = Put("alice.token", token + "\n");
+  const Outcome with_file = Load({"--token-file", token_file, "--connections", "2"});
+  EXPECT_EQ(with_file.code, 0) << with_file.err;
+  setenv("ARAPCTL_TOKEN", token.c_str(), 1);
+  const Outcome with_variable = Load({});
+  // Not for a private server, which takes none.
+  const Outcome spawned = Arapctl({"info", "--spawn"});
+  unsetenv("ARAPCTL_TOKEN");
+  EXPECT_EQ(with_variable.code, 0) << with_variable.err;
+  EXPECT_EQ(spawned.code, 0) << spawned.err;
+  const Outcome missing = Load({"--token-file", Path("none")});
+  EXPECT_EQ(missing.code, 1);
+  EXPECT_THAT(missing.err, HasSubstr("none"));
+}
+
+TEST_F(TokenFlags, RefusalSaysWhatToDo) {
+  Add({"alice"});
+  Start();
+  const std::string surface = Put("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const Outcome outcome = Arapctl(
+      {"flatten", surface, "--out", Path("b.obj"), "--server", "unix:" + Path("arapd.sock")});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("UNAUTHENTICATED"));
+  EXPECT_THAT(outcome.err, HasSubstr("--token-file"));
+}
+
+}  // namespace
+}  // namespace arap::cli
