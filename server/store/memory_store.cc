@@ -1,0 +1,146 @@
+#include "server/store/memory_store.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace arap::store {
+
+Result<std::optional<SessionRecord>> MemorySpecStore::Load(const SessionKey& key) {
+  const std::lock_guard lock(mutex_);
+  const auto found = records_.find(key);
+  if (found == records_.end()) return std::nullopt;
+  return found->second;
+}
+
+Result<std::optional<std::uint64_t>> MemorySpecStore::Revision(const SessionKey& key) {
+  const std::lock_guard lock(mutex_);
+  const auto found = records_.find(key);
+  if (found == records_.end()) return std::nullopt;
+  return found->second.revision;
+}
+
+Result<bool> MemorySpecStore::Put(const SessionRecord& record) {
+  const std::lock_guard lock(mutex_);
+  const auto found = records_.find(record.key);
+  const std::uint64_t before = found == records_.end() ? 0 : found->second.revision;
+  if (before + 1 != record.revision) return false;
+  records_.insert_or_assign(record.key, record);
+  return true;
+}
+
+Status MemorySpecStore::Extend(const SessionKey& key, runtime::Clock::Wall expires) {
+  const std::lock_guard lock(mutex_);
+  if (const auto found = records_.find(key); found != records_.end()) {
+    found->second.expires = expires;
+  }
+  return {};
+}
+
+Result<bool> MemorySpecStore::Remove(const SessionKey& key) {
+  const std::lock_guard lock(mutex_);
+  return records_.erase(key) > 0;
+}
+
+Result<std::vector<SessionRecord>> MemorySpecStore::List(const std::string& owner,
+                                                         const std::string& after,
+                                                         std::size_t limit) {
+  const std::lock_guard lock(mutex_);
+  std::vector<SessionRecord> records;
+  for (auto at = records_.upper_bound({owner, after});
+       at != records_.end() && at->first.owner == owner && records.size() < limit; ++at) {
+    records.push_back(at->second);
+  }
+  return records;
+}
+
+Result<std::vector<std::string>> MemorySpecStore::Owners() {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> owners;
+  for (const auto& [key, record] : records_) {
+    if (owners.empty() || owners.back() != key.owner) owners.push_back(key.owner);
+  }
+  return owners;
+}
+
+Result<Usage> MemorySpecStore::UsageOf(const std::string& owner) {
+  const std::lock_guard lock(mutex_);
+  Usage usage;
+  for (auto at = records_.lower_bound({owner, ""});
+       at != records_.end() && at->first.owner == owner; ++at) {
+    ++usage.sessions;
+    usage.meshes += at->second.meshes.size();
+    usage.handle_sets += at->second.handle_sets.size();
+  }
+  return usage;
+}
+
+Result<std::size_t> MemorySpecStore::Count() {
+  const std::lock_guard lock(mutex_);
+  return records_.size();
+}
+
+Result<std::vector<SessionKey>> MemorySpecStore::RemoveExpired(runtime::Clock::Wall now,
+                                                               std::size_t limit) {
+  const std::lock_guard lock(mutex_);
+  std::vector<SessionKey> removed;
+  for (auto at = records_.begin(); at != records_.end() && removed.size() < limit;) {
+    if (at->second.expires > now) {
+      ++at;
+      continue;
+    }
+    removed.push_back(at->first);
+    at = records_.erase(at);
+  }
+  return removed;
+}
+
+Result<std::set<std::string>> MemorySpecStore::ReferencedBlobs() {
+  const std::lock_guard lock(mutex_);
+  std::set<std::string> blobs;
+  for (const auto& [key, record] : records_) {
+    for (const auto& [id, mesh] : record.meshes) blobs.insert(mesh.blob);
+  }
+  return blobs;
+}
+
+Status MemoryBlobStore::Put(const std::string& hash, std::string_view bytes) {
+  const std::lock_guard lock(mutex_);
+  Blob& blob = blobs_[hash];
+  if (blob.bytes.size() != bytes.size()) blob.bytes = bytes;
+  blob.put = std::chrono::steady_clock::now();
+  return {};
+}
+
+Result<std::string> MemoryBlobStore::Get(const std::string& hash) {
+  const std::lock_guard lock(mutex_);
+  const auto found = blobs_.find(hash);
+  if (found != blobs_.end()) return found->second.bytes;
+  return Fail(Fault{FaultKind::kDataLoss,
+                    fmt::format("There is no blob {}.", hash),
+                    {},
+                    {{"blob", hash}, {"why", "missing"}},
+                    {}});
+}
+
+Result<SweepReport> MemoryBlobStore::Sweep(const std::set<std::string>& referenced,
+                                           std::chrono::seconds age) {
+  const std::lock_guard lock(mutex_);
+  const auto now = std::chrono::steady_clock::now();
+  SweepReport report;
+  for (auto at = blobs_.begin(); at != blobs_.end();) {
+    const std::size_t bytes = at->second.bytes.size();
+    if (referenced.contains(at->first) || now - at->second.put < age) {
+      ++report.kept;
+      report.kept_bytes += bytes;
+      ++at;
+    } else {
+      ++report.removed;
+      report.removed_bytes += bytes;
+      at = blobs_.erase(at);
+    }
+  }
+  return report;
+}
+
+}  // namespace arap::store

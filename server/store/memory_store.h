@@ -1,0 +1,53 @@
+// Stores in memory: everything ends with the process.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <string>
+
+#include "server/store/blob_store.h"
+#include "server/store/spec_store.h"
+
+namespace arap::store {
+
+class MemorySpecStore final : public SpecStore {
+ public:
+  Result<std::optional<SessionRecord>> Load(const SessionKey& key) override;
+  Result<std::optional<std::uint64_t>> Revision(const SessionKey& key) override;
+  Result<bool> Put(const SessionRecord& record) override;
+  Status Extend(const SessionKey& key, runtime::Clock::Wall expires) override;
+  Result<bool> Remove(const SessionKey& key) override;
+  Result<std::vector<SessionRecord>> List(const std::string& owner, const std::string& after,
+                                          std::size_t limit) override;
+  Result<std::vector<std::string>> Owners() override;
+  Result<Usage> UsageOf(const std::string& owner) override;
+  Result<std::size_t> Count() override;
+  Result<std::vector<SessionKey>> RemoveExpired(runtime::Clock::Wall now,
+                                                std::size_t limit) override;
+  Result<std::set<std::string>> ReferencedBlobs() override;
+  bool shared() const override { return false; }
+  Status Probe() override { return {}; }
+
+ private:
+  std::mutex mutex_;
+  std::map<SessionKey, SessionRecord> records_;  // guarded by mutex_
+};
+
+class MemoryBlobStore final : public BlobStore {
+ public:
+  Status Put(const std::string& hash, std::string_view bytes) override;
+  Result<std::string> Get(const std::string& hash) override;
+  Result<SweepReport> Sweep(const std::set<std::string>& referenced,
+                            std::chrono::seconds age) override;
+
+ private:
+  struct Blob {
+    std::string bytes;
+    std::chrono::steady_clock::time_point put;
+  };
+  std::mutex mutex_;
+  std::map<std::string, Blob> blobs_;  // guarded by mutex_
+};
+
+}  // namespace arap::store
