@@ -1,24 +1,44 @@
-// Opening the stores.
+// OpenStores: from what the configuration says to stores that are open.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "core/base/result.h"
 #include "server/store/blob_store.h"
+#include "server/store/recovery.h"
 #include "server/store/spec_store.h"
 
 namespace arap::store {
 
 struct StoreOptions {
+  // memory                                   everything ends with the process
+  // sqlite:DIR                               records and blobs in a directory, for one server
+  // redis://[:PASSWORD@]HOST[:PORT][/DB]     records in Redis, for many replicas
   std::string store = "memory";
+  // Where blobs are. With sqlite DIR/blobs when empty; with redis a folder that all replicas share;
+  // without meaning for memory.
   std::string blob_dir;
+  // Hears of databases that were repaired after opening; called within a call of the store.
+  std::function<void(const Recovery&)> on_recovery;
 };
 
 struct Stores {
   std::unique_ptr<SpecStore> specs;
   std::unique_ptr<BlobStore> blobs;
+  // The database was damaged: what became of it.
+  std::optional<Recovery> recovery;
 };
 
+// Makes DIR and the blob directory, with mode 0700, in parents that are there. Redis need not be
+// reachable yet. kInvalidOption with the field "store" or "blob_dir" for what is malformed;
+// kStoreUnavailable, naming the directory, for one that cannot be used or is in use by another
+// server. No fault names a password.
 Result<Stores> OpenStores(const StoreOptions& options);
+
+// The store as it may be logged: without its password.
+std::string StoreForLog(const StoreOptions& options);
 
 }  // namespace arap::store

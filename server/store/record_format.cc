@@ -1,0 +1,177 @@
+#include "server/store/record_format.h"
+
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "server/store/record_reader.h"
+
+namespace arap::store {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::uint64_t kFormat = 1;
+
+// JSON has no infinities.
+Json ToJson(double number) {
+  if (std::isfinite(number)) return number;
+  return fmt::format("{:016x}", std::bit_cast<std::uint64_t>(number));
+}
+
+Json AnchorToJson(const Handle& handle) {
+  if (const auto* vertex = std::get_if<VertexAnchor>(&handle.anchor)) {
+    return {{"vertex", vertex->vertex}};
+  }
+  if (const auto* triangle = std::get_if<TriangleAnchor>(&handle.anchor)) {
+    Json weights = Json::array();
+    for (const double weight : triangle->barycentric) weights.push_back(ToJson(weight));
+    return {{"triangle", triangle->triangle}, {"barycentric", std::move(weights)}};
+  }
+  const Complex at = std::get<PointAnchor>(handle.anchor).position;
+  return {{"x", ToJson(at.real())}, {"y", ToJson(at.imag())}};
+}
+
+Json HandleToJson(const Handle& handle) {
+  return {{"id", handle.id},
+          {"anchor", AnchorToJson(handle)},
+          {"weight", ToJson(handle.weight)},
+          {"hard", handle.hard},
+          {"oriented", handle.oriented},
+          {"area_radius", ToJson(handle.area_radius)},
+          {"snap", handle.outside == Outside::kSnap},
+          {"depth", ToJson(handle.depth)},
+          {"depth_falloff", ToJson(handle.depth_falloff)}};
+}
+
+void ReadAnchor(RecordReader& reader, const Json& json, Handle& handle) {
+  if (json.contains("vertex")) {
+    VertexAnchor anchor;
+    reader.Number(json, "vertex", anchor.vertex);
+    handle.anchor = anchor;
+  } else if (json.contains("triangle")) {
+    TriangleAnchor anchor;
+    reader.Number(json, "triangle", anchor.triangle);
+    const Json& weights = reader.Array(json, "barycentric");
+    if (!reader.Check(weights.size() == anchor.barycentric.size())) return;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      reader.Double(weights[i], anchor.barycentric[i]);
+    }
+    handle.anchor = anchor;
+  } else {
+    double x = 0, y = 0;
+    reader.Double(reader.At(json, "x"), x);
+    reader.Double(reader.At(json, "y"), y);
+    handle.anchor = PointAnchor{{x, y}};
+  }
+}
+
+Handle ReadHandle(RecordReader& reader, const Json& json) {
+  Handle handle;
+  bool snap = false;
+  reader.String(json, "id", handle.id);
+  ReadAnchor(reader, reader.Object(json, "anchor"), handle);
+  reader.Double(reader.At(json, "weight"), handle.weight);
+  reader.Bool(json, "hard", handle.hard);
+  reader.Bool(json, "oriented", handle.oriented);
+  reader.Double(reader.At(json, "area_radius"), handle.area_radius);
+  reader.Bool(json, "snap", snap);
+  reader.Double(reader.At(json, "depth"), handle.depth);
+  reader.Double(reader.At(json, "depth_falloff"), handle.depth_falloff);
+  handle.outside = snap ? Outside::kSnap : Outside::kError;
+  return handle;
+}
+
+HandleSetRecord ReadHandleSet(RecordReader& reader, const Json& json) {
+  HandleSetRecord set;
+  reader.String(json, "mesh_id", set.mesh_id);
+  reader.Number(json, "revision", set.revision);
+  for (const Json& handle : reader.Array(json, "handles")) {
+    set.definitions.push_back(ReadHandle(reader, handle));
+  }
+  return set;
+}
+
+SessionRecord ReadRecord(RecordReader& reader, const Json& json) {
+  SessionRecord record;
+  std::uint64_t format = 0;
+  std::int64_t ttl = 0, created = 0, expires = 0;
+  reader.Number(json, "format", format);
+  reader.Check(format == kFormat);
+  reader.String(json, "owner", record.key.owner);
+  reader.String(json, "id", record.key.id);
+  reader.Number(json, "revision", record.revision);
+  reader.Number(json, "ttl_ms", ttl);
+  reader.Number(json, "created_ms", created);
+  reader.Number(json, "expires_ms", expires);
+  record.ttl = std::chrono::milliseconds(ttl);
+  record.created = FromMillis(created);
+  record.expires = FromMillis(expires);
+  for (const auto& [key, value] : reader.Object(json, "labels").items()) {
+    reader.String(value, record.labels[key]);
+  }
+  for (const auto& [id, mesh] : reader.Object(json, "meshes").items()) {
+    reader.String(mesh, "blob", record.meshes[id].blob);
+  }
+  for (const auto& [id, set] : reader.Object(json, "handle_sets").items()) {
+    record.handle_sets[id] = ReadHandleSet(reader, set);
+  }
+  return record;
+}
+
+Json RecordToJson(const SessionRecord& record) {
+  Json meshes = Json::object(), handle_sets = Json::object();
+  for (const auto& [id, mesh] : record.meshes) meshes[id] = {{"blob", mesh.blob}};
+  for (const auto& [id, set] : record.handle_sets) {
+    Json handles = Json::array();
+    for (const Handle& handle : set.definitions) handles.push_back(HandleToJson(handle));
+    handle_sets[id] = {
+        {"mesh_id", set.mesh_id}, {"revision", set.revision}, {"handles", std::move(handles)}};
+  }
+  Json labels = Json::object();
+  for (const auto& [key, value] : record.labels) labels[key] = value;
+  return {{"format", kFormat},
+          {"owner", record.key.owner},
+          {"id", record.key.id},
+          {"revision", record.revision},
+          {"ttl_ms", record.ttl.count()},
+          {"created_ms", ToMillis(record.created)},
+          {"expires_ms", ToMillis(record.expires)},
+          {"labels", std::move(labels)},
+          {"meshes", std::move(meshes)},
+          {"handle_sets", std::move(handle_sets)}};
+}
+
+}  // namespace
+
+std::int64_t ToMillis(runtime::Clock::Wall time) {
+  return std::chrono::ceil<std::chrono::milliseconds>(time.time_since_epoch()).count();
+}
+
+runtime::Clock::Wall FromMillis(std::int64_t millis) {
+  return runtime::Clock::Wall(std::chrono::milliseconds(millis));
+}
+
+Result<std::string> EncodeRecord(const SessionRecord& record) {
+  try {
+    return RecordToJson(record).dump();
+  } catch (const Json::exception&) {
+    return Fail(FaultKind::kInternal, "A session record holds a string that is not UTF-8.");
+  }
+}
+
+Result<SessionRecord> DecodeRecord(std::string_view text) {
+  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  RecordReader reader;
+  SessionRecord record = ReadRecord(reader, json);
+  if (!reader.good()) {
+    return Fail(FaultKind::kDataLoss,
+                "A stored session record is not in the form of this version.");
+  }
+  return record;
+}
+
+}  // namespace arap::store
