@@ -43,7 +43,8 @@ enum class PinSolver {
   kDirect,     // pins factored in
 };
 
-// Above this many pins on a chart kAuto factors them in (docs/algorithm.md has the measurement).
+// Above this many pins on a chart kAuto factors them in: each costs two back-substitutions, and a
+// number per vertex and iteration.
 inline constexpr std::size_t kDirectPins = 32;
 
 // The direction from one vertex to another of the same chart, radians from the u axis.
