@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/deform/place.h"
-#include "core/deform/saddle.h"
+#include "core/sparse/saddle.h"
 #include "core/energy/local_step.h"
 #include "core/sparse/factor.h"
 

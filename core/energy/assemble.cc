@@ -197,4 +197,24 @@ std::vector<Complex> SimilarityColumn(const Cells& cells, std::size_t vertices,
   return column;
 }
 
+SimilarityForce SimilarityForceAt(const Cells& cells, std::span<const Complex> shape) {
+  SimilarityForce at{0, std::vector<Complex>(shape.size())};
+  ForEachBlock(cells, [&](const Block& block) {
+    const auto ids = block.vertices();
+    for (std::size_t r = 0; r < block.rows(); ++r) {
+      const Complex* row = block.row(r);
+      // The rows add up to 0: the place of the block takes no part.
+      Complex residual = 0;
+      for (std::size_t i = 1; i < ids.size(); ++i) {
+        residual += row[i] * (shape[ids[i]] - shape[ids[0]]);
+      }
+      at.energy += block.weight(r) * std::norm(residual);
+      for (std::size_t i = 0; i < ids.size(); ++i) {
+        at.force[ids[i]] += block.weight(r) * std::conj(row[i]) * residual;
+      }
+    }
+  });
+  return at;
+}
+
 }  // namespace arap

@@ -23,4 +23,12 @@ Eigen::SparseMatrix<double> AssembleRigid(const Cells& cells, const std::vector<
 std::vector<Complex> SimilarityColumn(const Cells& cells, std::size_t vertices,
                                       std::uint32_t vertex);
 
+// The step-1 energy xᴴ H x of a shape (#V) and H x, half its gradient. From the residuals of the
+// cells: the energy of a shape that is almost exact keeps its digits.
+struct SimilarityForce {
+  double energy = 0;
+  std::vector<Complex> force;  // #V
+};
+SimilarityForce SimilarityForceAt(const Cells& cells, std::span<const Complex> shape);
+
 }  // namespace arap

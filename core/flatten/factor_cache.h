@@ -1,93 +1,68 @@
-// FactorCache: factors of one prepared surface, kept for the next time it is flattened.
+// FactorCache: factors of one prepared surface, kept for the next time it is flattened, and the
+// elimination orders that they were made with.
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/base/result.h"
 #include "core/flatten/grounded_system.h"
+#include "core/flatten/shelf.h"
 
 namespace arap {
 
-// Thread-safe. Two callers that miss at once both factor; the first one's is kept.
+// Thread-safe. Two callers that miss at once both make it; the first one's is kept.
 class FactorCache {
  public:
-  // At most `capacity` factors of each kind; the least recently used goes first. 0 keeps nothing.
-  explicit FactorCache(std::size_t capacity) : capacity_(capacity) {}
+  // At most `capacity` things of each kind; the least recently used goes first. 0 keeps nothing.
+  explicit FactorCache(std::size_t capacity)
+      : similarity_(capacity), rigid_(capacity), orders_(capacity) {}
 
   // The factor under `key`, from make() when it is not there. An empty key is never kept.
   template <class Scalar, class Make>
   Result<std::shared_ptr<const GroundedSystem<Scalar>>> Get(const std::string& key, Make make) {
-    Shelf<Scalar>& shelf = ShelfOf(static_cast<Scalar*>(nullptr));
-    if (auto found = Find(shelf, key)) return found;
-    Result<GroundedSystem<Scalar>> made = make();
-    if (!made) return Fail(std::move(made.error()));
-    auto system = std::make_shared<const GroundedSystem<Scalar>>(*std::move(made));
-    if (capacity_ > 0 && !key.empty()) Put(shelf, key, system);
-    return system;
+    return From(ShelfOf(static_cast<Scalar*>(nullptr)), key, make);
+  }
+
+  // An elimination order alike.
+  template <class Make>
+  Result<Order> GetOrder(const std::string& key, Make make) {
+    return From(orders_, key, make);
   }
 
   std::size_t bytes() const {
     const std::scoped_lock lock(mutex_);
-    return Bytes(similarity_) + Bytes(rigid_);
+    const auto of_system = [](const auto& system) { return system.bytes(); };
+    return similarity_.Bytes(of_system) + rigid_.Bytes(of_system) +
+           orders_.Bytes([](const auto& order) { return order.capacity() * sizeof(int); });
   }
 
  private:
-  template <class Scalar>
-  struct Entry {
-    std::shared_ptr<const GroundedSystem<Scalar>> system;
-    std::uint64_t used = 0;
-  };
-  template <class Scalar>
-  using Shelf = std::map<std::string, Entry<Scalar>>;
+  Shelf<GroundedSystem<Complex>>& ShelfOf(Complex*) { return similarity_; }
+  Shelf<GroundedSystem<double>>& ShelfOf(double*) { return rigid_; }
 
-  Shelf<Complex>& ShelfOf(Complex*) { return similarity_; }
-  Shelf<double>& ShelfOf(double*) { return rigid_; }
-
-  template <class Scalar>
-  std::shared_ptr<const GroundedSystem<Scalar>> Find(Shelf<Scalar>& shelf, const std::string& key) {
-    const std::scoped_lock lock(mutex_);
-    const auto at = shelf.find(key);
-    if (at == shelf.end()) return nullptr;
-    at->second.used = ++clock_;
-    return at->second.system;
-  }
-
-  template <class Scalar>
-  void Put(Shelf<Scalar>& shelf, const std::string& key,
-           std::shared_ptr<const GroundedSystem<Scalar>> system) {
-    const std::scoped_lock lock(mutex_);
-    if (shelf.contains(key)) return;
-    if (shelf.size() >= capacity_) {
-      auto oldest = shelf.begin();
-      for (auto at = shelf.begin(); at != shelf.end(); ++at) {
-        if (at->second.used < oldest->second.used) oldest = at;
-      }
-      shelf.erase(oldest);
+  template <class T, class Make>
+  Result<std::shared_ptr<const T>> From(Shelf<T>& shelf, const std::string& key, Make make) {
+    {
+      const std::scoped_lock lock(mutex_);
+      if (auto found = shelf.Find(key)) return found;
     }
-    shelf.try_emplace(key, Entry<Scalar>{std::move(system), ++clock_});
+    Result<T> made = make();
+    if (!made) return Fail(std::move(made.error()));
+    auto thing = std::make_shared<const T>(*std::move(made));
+    const std::scoped_lock lock(mutex_);
+    shelf.Put(key, thing);
+    return thing;
   }
 
-  template <class Scalar>
-  static std::size_t Bytes(const Shelf<Scalar>& shelf) {
-    std::size_t bytes = 0;
-    for (const auto& [key, entry] : shelf) {
-      bytes += sizeof(typename Shelf<Scalar>::value_type) + sizeof(*entry.system) + key.capacity() +
-               entry.system->bytes();
-    }
-    return bytes;
-  }
-
-  const std::size_t capacity_;
   mutable std::mutex mutex_;
-  std::uint64_t clock_ = 0;
-  Shelf<Complex> similarity_;
-  Shelf<double> rigid_;
+  Shelf<GroundedSystem<Complex>> similarity_;
+  Shelf<GroundedSystem<double>> rigid_;
+  Shelf<std::vector<int>> orders_;
 };
 
 }  // namespace arap

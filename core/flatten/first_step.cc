@@ -82,15 +82,24 @@ double FlatArea(const SurfaceChart& chart, const std::vector<Complex>& x) {
 
 }  // namespace
 
+Result<Order> NewOrder(const Eigen::SparseMatrix<Complex>& lower) {
+  auto order = EliminationOrder(lower);
+  if (!order) return Fail(std::move(order.error()));
+  return std::make_shared<const std::vector<int>>(*std::move(order));
+}
+
 Result<GroundedSystem<Complex>> HeldSystem(const Cells& cells, const Held& held,
-                                           std::size_t vertices) {
+                                           std::size_t vertices, const OrderSource& order) {
   Eigen::SparseMatrix<Complex> matrix =
       AssembleSimilarity(cells, std::vector<bool>(vertices, false));
   for (const HeldVertex& h : held.vertices) {
     const auto v = static_cast<Eigen::Index>(h.vertex);
     if (h.weight > 0) matrix.coeffRef(v, v) += h.weight;
   }
-  return GroundedSystem<Complex>::Make(matrix, held.Fixed(vertices), FactorLayout::kSupernodal);
+  auto found = order(matrix);
+  if (!found) return Fail(std::move(found.error()));
+  return GroundedSystem<Complex>::Make(matrix, held.Fixed(vertices), FactorLayout::kSupernodal,
+                                       *std::move(found));
 }
 
 Result<std::vector<Complex>> HeldFirstStep(const GroundedSystem<Complex>& system, const Held& held,
@@ -105,12 +114,16 @@ Result<std::vector<Complex>> HeldFirstStep(const GroundedSystem<Complex>& system
   return x;
 }
 
-Result<GroundedSystem<Complex>> SpectralSystem(const Cells& cells, std::size_t vertices) {
+Result<GroundedSystem<Complex>> SpectralSystem(const Cells& cells, std::size_t vertices,
+                                               const OrderSource& order) {
   const std::vector<bool> none(vertices, false);
   Eigen::SparseMatrix<Complex> matrix = AssembleSimilarity(cells, none);
   const double shift = kShift * matrix.diagonal().real().mean();
   for (Eigen::Index v = 0; v < matrix.rows(); ++v) matrix.coeffRef(v, v) += shift;
-  auto system = GroundedSystem<Complex>::Make(matrix, none, FactorLayout::kPacked);
+  auto found = order(matrix);
+  if (!found) return Fail(std::move(found.error()));
+  auto system =
+      GroundedSystem<Complex>::Make(matrix, none, FactorLayout::kPacked, *std::move(found));
   if (system) system->set_raised(shift);
   return system;
 }

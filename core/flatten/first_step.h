@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "core/base/cancel.h"
@@ -11,16 +12,23 @@
 
 namespace arap {
 
+// Where the elimination order of a similarity matrix comes from. Its pattern depends on the
+// triangles and the basis alone, not on weights or on what is held.
+using OrderSource = std::function<Result<Order>(const Eigen::SparseMatrix<Complex>&)>;
+Result<Order> NewOrder(const Eigen::SparseMatrix<Complex>& lower);
+
 // The similarity matrix of `cells` with `held` (at least two) kept, factored. Fault: kNumerical.
 Result<GroundedSystem<Complex>> HeldSystem(const Cells& cells, const Held& held,
-                                           std::size_t vertices);
+                                           std::size_t vertices,
+                                           const OrderSource& order = NewOrder);
 
 // Least similarity energy with `held` at their places: #V, units of the chart. Fault: kNumerical.
 Result<std::vector<Complex>> HeldFirstStep(const GroundedSystem<Complex>& system, const Held& held,
                                            std::size_t vertices);
 
 // The matrix with nothing kept, but raised a little, factored. Fault: kNumerical.
-Result<GroundedSystem<Complex>> SpectralSystem(const Cells& cells, std::size_t vertices);
+Result<GroundedSystem<Complex>> SpectralSystem(const Cells& cells, std::size_t vertices,
+                                               const OrderSource& order = NewOrder);
 
 // Least similarity energy for a given spread of the boundary, by inverse iteration; then scaled to
 // the true area and laid with the centre edge `anchors` along the real axis, its first end at 0.

@@ -6,11 +6,13 @@
 
 #include <fmt/format.h>
 
+#include "core/base/stopwatch.h"
 #include "core/flatten/abf.h"
 #include "core/flatten/anchors.h"
 #include "core/flatten/first_step.h"
 #include "core/flatten/injective.h"
 #include "core/flatten/local_global.h"
+#include "core/flatten/pinned_first_step.h"
 #include "core/flatten/upright.h"
 
 namespace arap {
@@ -62,7 +64,8 @@ class ChartFlattener {
  private:
   std::size_t n() const { return chart_.mesh.vertices.size(); }
 
-  // Pins where there are several; else the anchors that were asked for.
+  // Pins where there are several; else the anchors that were asked for. Pins are solved for on the
+  // factor of the anchors, so that a layout without pins and layouts with any share it.
   void Hold(const ChartWishes& wishes) {
     if (wishes.pinned()) {
       for (const HeldVertex& pin : wishes.pins) origin_ += pin.uv;
@@ -72,12 +75,17 @@ class ChartFlattener {
         held_.vertices.push_back(pin);
       }
       pins_ = true;
+      null_space_ = options_.pin_solver == PinSolver::kNullSpace ||
+                    (options_.pin_solver == PinSolver::kAuto && wishes.pins.size() <= kDirectPins);
     } else if (options_.anchors != FlattenAnchors::kSpectral) {
-      const auto anchors =
-          options_.anchors == FlattenAnchors::kCentreEdge ? centre_ : FarBoundaryPair(chart_);
+      const auto anchors = Anchors();
       held_ = HoldAtDistance(chart_, anchors);
       layout_.anchors = {anchors[0], anchors[1]};
     }
+  }
+
+  std::array<std::uint32_t, 2> Anchors() const {
+    return options_.anchors == FlattenAnchors::kFarBoundary ? FarBoundaryPair(chart_) : centre_;
   }
 
   Status MakeCells() {
@@ -101,17 +109,33 @@ class ChartFlattener {
     return {};
   }
 
-  // What a factor depends on; empty when that cannot be said in a few words.
-  std::string Key(const char* step, const Held& held, bool face) const {
+  // Of the cells of the first step; angle-based flattening is laid out with FACE cells.
+  Basis CellBasis() const {
+    return options_.method == FlattenMethod::kAbf ? Basis::kFace : energy_.basis;
+  }
+
+  // What a factor of the first step depends on; empty when that cannot be said in a few words.
+  std::string FirstKey(const char* step, const Held& held) const {
     if (!energy_.rigidity.empty()) return {};
-    std::string key =
-        fmt::format("{}/{}/{}/{}/{}", name_, step, options_.method == FlattenMethod::kAbf,
-                    face ? "refine" : fmt::to_string(static_cast<int>(energy_.basis)),
-                    static_cast<int>(energy_.weights));
-    for (const HeldVertex& h : held.vertices) {
-      key += fmt::format("/{}:{}", h.vertex, h.weight);
-    }
-    return key;
+    return fmt::format("{}/{}/{}/{}/{}{}", name_, step, options_.method == FlattenMethod::kAbf,
+                       static_cast<int>(energy_.basis), static_cast<int>(energy_.weights),
+                       Names(held));
+  }
+
+  // The same for the rigid step, whose order is that of the first. The matrix of a refinement is
+  // the same whatever the energy of the steps before.
+  std::string RigidKey(const Held& held, bool face) const {
+    if (!energy_.rigidity.empty()) return {};
+    const int basis = static_cast<int>(CellBasis());
+    const std::string step =
+        face ? "refine" : fmt::format("rigid/{}", static_cast<int>(energy_.weights));
+    return fmt::format("{}/{}/{}{}", name_, step, basis, Names(held));
+  }
+
+  static std::string Names(const Held& held) {
+    std::string names;
+    for (const HeldVertex& h : held.vertices) names += fmt::format("/{}:{}", h.vertex, h.weight);
+    return names;
   }
 
   template <class Scalar>
@@ -123,24 +147,70 @@ class ChartFlattener {
     return made;
   }
 
-  Status FirstStep() {
-    const bool spectral = held_.empty();
-    first_key_ = Key(spectral ? "free" : "held", held_, false);
-    auto system = factors_.Get<Complex>(first_key_, [&] {
-      return Timed(spectral ? SpectralSystem(cells_, n()) : HeldSystem(cells_, held_, n()));
+  // One order for all that is factored of a basis, whatever is held and however it is weighted.
+  // Rounding follows the order: it must not depend on what was factored first.
+  Result<Order> OrderOf(const Eigen::SparseMatrix<Complex>& lower) {
+    const std::string key = fmt::format("{}/{}", name_, static_cast<int>(CellBasis()));
+    return factors_.GetOrder(key, [&] {
+      Stopwatch watch;
+      auto order = EliminationOrder(lower);
+      layout_.factor_times.analysis += watch.Lap();
+      return order;
     });
+  }
+
+  Status FirstStep() {
+    if (null_space_) {
+      auto done = PinnedStep();
+      if (!done) return Fail(std::move(done.error()));
+      if (*done) return {};
+      if (options_.pin_solver == PinSolver::kNullSpace) {
+        return Fail(FaultKind::kNumerical, "two vertices are too small a hold on this surface");
+      }
+      null_space_ = false;
+    }
+    const bool spectral = held_.empty();
+    auto system = spectral ? FreeSystem() : SystemHolding(held_);
     if (!system) return Fail(std::move(system.error()));
-    const auto order = (*system)->factor().order();
-    order_.assign(order.begin(), order.end());
+    order_ = (*system)->order();
     auto first =
         spectral ? SpectralFirstStep(**system, chart_, centre_,
                                      options_.method == FlattenMethod::kArap ? kRoughly : kExactly,
                                      cancel_)
                  : HeldFirstStep(**system, held_, n());
     if (!first) return Fail(std::move(first.error()));
-    layout_.first_step = *std::move(first);
-    layout_.uv = layout_.first_step;
+    SetFirstStep(*std::move(first));
     return {};
+  }
+
+  // The first step from the factor of the anchors; false when that is not exact enough.
+  Result<bool> PinnedStep() {
+    const auto ground = Anchors();
+    auto system = SystemHolding({{{ground[0], 0, 0}, {ground[1], 0, 0}}});
+    if (!system) return false;
+    order_ = (*system)->order();
+    auto first = PinnedFirstStep(**system, ground, cells_, held_, n(), cancel_);
+    if (!first) return Fail(std::move(first.error()));
+    if (!*first) return false;
+    SetFirstStep(**std::move(first));
+    return true;
+  }
+
+  Result<std::shared_ptr<const GroundedSystem<Complex>>> SystemHolding(const Held& held) {
+    return factors_.Get<Complex>(FirstKey("held", held), [&] {
+      return Timed(HeldSystem(cells_, held, n(), [&](const auto& m) { return OrderOf(m); }));
+    });
+  }
+
+  Result<std::shared_ptr<const GroundedSystem<Complex>>> FreeSystem() {
+    return factors_.Get<Complex>(FirstKey("free", {}), [&] {
+      return Timed(SpectralSystem(cells_, n(), [&](const auto& m) { return OrderOf(m); }));
+    });
+  }
+
+  void SetFirstStep(std::vector<Complex> shape) {
+    layout_.first_step = std::move(shape);
+    layout_.uv = layout_.first_step;
   }
 
   // The second step and what refines it. Anchors have done their work: the rigid step needs one
@@ -171,13 +241,20 @@ class ChartFlattener {
   }
 
   Result<int> Take(const Held& held, const LocalGlobalOptions& steps, bool face) {
-    // The order of elimination is that of the first step, and rounding follows the order.
-    std::string key = Key("rigid", held, face);
-    if (!key.empty()) key += "|" + first_key_;
-    auto system = factors_.Get<double>(
-        key, [&] { return Timed(RigidSystem(cells_, held, centre_[0], n(), order_)); });
+    // With the null space one vertex is grounded, as without pins.
+    const Held none;
+    const Held& factored = null_space_ ? none : held;
+    auto system = factors_.Get<double>(RigidKey(factored, face), [&] {
+      return Timed(RigidSystem(cells_, factored, centre_[0], n(), order_));
+    });
     if (!system) return Fail(std::move(system.error()));
-    return LocalGlobal(cells_, held, **system, steps, cancel_, layout_.uv);
+    if (!null_space_) {
+      const auto solver = FactoredRigidSolver(*std::move(system), held);
+      return LocalGlobal(cells_, held, *solver, steps, cancel_, layout_.uv);
+    }
+    const auto solver = PinnedRigidSolver(*std::move(system), centre_[0], held, cancel_);
+    if (!solver) return Fail(solver.error());
+    return LocalGlobal(cells_, held, **solver, steps, cancel_, layout_.uv);
   }
 
   Status MakeInjective() {
@@ -235,10 +312,10 @@ class ChartFlattener {
   const std::array<std::uint32_t, 2> centre_;
   Held held_;
   bool pins_ = false;
+  bool null_space_ = false;  // pins are solved for on factors that have none
   Complex origin_ = 0;
   Cells cells_;
-  std::string first_key_;
-  std::vector<int> order_;
+  Order order_;
   ChartLayout layout_;
 };
 

@@ -36,6 +36,17 @@ struct UvPin {
   double weight = 0;  // 0: exactly; else on the squared distance, kMinPinWeight…kMaxPinWeight
 };
 
+// How several pins on a chart are solved for. Both ways give the same layout.
+enum class PinSolver {
+  kAuto,       // by the number of pins; factored in too where the other way is not exact
+  kNullSpace,  // on factors that serve any pins, a back-substitution per pin; or kNumerical
+  kDirect,     // pins factored in
+};
+
+// Above this many pins on a chart kAuto factors them in: each costs two back-substitutions, and a
+// number per vertex and iteration.
+inline constexpr std::size_t kDirectPins = 32;
+
 // The direction from one vertex to another of the same chart, radians from the u axis.
 struct GrainLine {
   std::uint32_t from = 0, to = 0;
@@ -59,6 +70,7 @@ struct FlattenOptions {
   bool injective = false;  // no flipped triangle, or kNotInjective
   CutOptions cut;
   std::vector<UvPin> pins;
+  PinSolver pin_solver = PinSolver::kAuto;
   std::vector<GrainLine> grain_lines;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/SparseCore>
@@ -13,16 +14,18 @@
 
 namespace arap {
 
+// An elimination order, shared by the systems of one pattern.
+using Order = std::shared_ptr<const std::vector<int>>;
+
 // Solves M x = f for the vertices that are free, with the others at given places. Scalar is double
 // or std::complex<double>. Immutable; thread-safe with a Workspace per thread.
 template <class Scalar>
 class GroundedSystem {
  public:
   // `lower` (#n×#n, lower triangle) is the matrix with nothing held; `fixed` (#n) says what is.
-  // Faults: those of Factor::Make.
+  // `order` is an elimination order of a pattern around this one. Faults: those of Factor::Make.
   static Result<GroundedSystem> Make(const Eigen::SparseMatrix<Scalar>& lower,
-                                     std::vector<bool> fixed, FactorLayout layout,
-                                     std::span<const int> order = {}) {
+                                     std::vector<bool> fixed, FactorLayout layout, Order order) {
     GroundedSystem system;
     Eigen::SparseMatrix<Scalar> grounded(lower.rows(), lower.cols());
     grounded.reserve(lower.nonZeros() + lower.cols());
@@ -42,10 +45,11 @@ class GroundedSystem {
       }
     }
     grounded.finalize();
-    auto factor = Factor<Scalar>::Make(grounded, layout, order);
+    auto factor = Factor<Scalar>::Make(grounded, layout, *order);
     if (!factor) return Fail(std::move(factor.error()));
     system.factor_ = *std::move(factor);
     system.fixed_ = std::move(fixed);
+    system.order_ = std::move(order);
     return system;
   }
 
@@ -69,6 +73,7 @@ class GroundedSystem {
   }
 
   const Factor<Scalar>& factor() const { return *factor_; }
+  const Order& order() const { return order_; }
   // By how much the diagonal was raised before factoring, if it was.
   double raised() const { return raised_; }
   void set_raised(double raised) { raised_ = raised; }
@@ -84,6 +89,7 @@ class GroundedSystem {
   double raised_ = 0;
   std::vector<bool> fixed_;
   std::vector<Coupling> couplings_;
+  Order order_;
   std::shared_ptr<const Factor<Scalar>> factor_;
 };
 

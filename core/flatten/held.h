@@ -20,6 +20,10 @@ struct Held {
   std::vector<HeldVertex> vertices;
 
   bool empty() const { return vertices.empty(); }
+  // Of a vertex: how far it gives way to a unit of force.
+  static double Compliance(const HeldVertex& held) {
+    return held.weight == 0 ? 0 : 1 / held.weight;
+  }
   // #V: whether a vertex is held exactly.
   std::vector<bool> Fixed(std::size_t vertex_count) const {
     std::vector<bool> fixed(vertex_count);

@@ -14,26 +14,16 @@ constexpr std::size_t kAndersonWindow = 5;
 // One chart's rigid step, ready to be repeated. Points are x…, y….
 class Step {
  public:
-  Step(const Cells& cells, const Held& held, const GroundedSystem<double>& system,
-       std::size_t vertices)
-      : cells_(cells), held_(held), system_(system), n_(vertices), right_(2 * n_) {}
+  Step(const Cells& cells, const Held& held, const RigidSolver& solver, std::size_t vertices)
+      : cells_(cells), held_(held), solver_(solver), n_(vertices), right_(2 * n_) {}
 
   // image := the best positions for the rotations of `point`.
   Status Take(const std::vector<double>& point, std::vector<double>& image) {
     std::fill(right_.begin(), right_.end(), 0.0);
     AddRotatedEdges(cells_, {point.data(), point.data() + n_}, mean_,
                     {right_.data(), right_.data() + n_});
-    for (const HeldVertex& h : held_.vertices) {
-      right_[h.vertex] += h.weight * h.uv.real();
-      right_[n_ + h.vertex] += h.weight * h.uv.imag();
-    }
     image = point;
-    for (const HeldVertex& h : held_.vertices) {
-      if (h.weight > 0) continue;
-      image[h.vertex] = h.uv.real();
-      image[n_ + h.vertex] = h.uv.imag();
-    }
-    return system_.Solve(right_, 2, image, workspace_);
+    return solver_.Solve(right_, image, workspace_);
   }
 
   // With the rotations that fit `point` best, soft pins included.
@@ -48,7 +38,7 @@ class Step {
  private:
   const Cells& cells_;
   const Held& held_;
-  const GroundedSystem<double>& system_;
+  const RigidSolver& solver_;
   std::size_t n_;
   std::vector<double> right_;
   std::vector<Complex> mean_{0};
@@ -105,8 +95,7 @@ Result<int> Accelerated(Step& step, const LocalGlobalOptions& options, const Can
 }  // namespace
 
 Result<GroundedSystem<double>> RigidSystem(const Cells& cells, const Held& held,
-                                           std::uint32_t still, std::size_t vertices,
-                                           std::span<const int> order) {
+                                           std::uint32_t still, std::size_t vertices, Order order) {
   Eigen::SparseMatrix<double> matrix = AssembleRigid(cells, std::vector<bool>(vertices, false));
   std::vector<bool> fixed = held.Fixed(vertices);
   if (held.empty()) fixed[still] = true;
@@ -114,14 +103,15 @@ Result<GroundedSystem<double>> RigidSystem(const Cells& cells, const Held& held,
     const auto v = static_cast<Eigen::Index>(h.vertex);
     if (h.weight > 0) matrix.coeffRef(v, v) += h.weight;
   }
-  return GroundedSystem<double>::Make(matrix, std::move(fixed), FactorLayout::kPacked, order);
+  return GroundedSystem<double>::Make(matrix, std::move(fixed), FactorLayout::kPacked,
+                                      std::move(order));
 }
 
-Result<int> LocalGlobal(const Cells& cells, const Held& held, const GroundedSystem<double>& system,
+Result<int> LocalGlobal(const Cells& cells, const Held& held, const RigidSolver& solver,
                         const LocalGlobalOptions& options, const CancelToken& cancel,
                         std::vector<Complex>& shape) {
   const std::size_t n = shape.size();
-  Step step(cells, held, system, n);
+  Step step(cells, held, solver, n);
   std::vector<double> point(2 * n);
   for (std::size_t v = 0; v < n; ++v) {
     point[v] = shape[v].real();

@@ -9,6 +9,7 @@
 #include "core/energy/cells.h"
 #include "core/flatten/grounded_system.h"
 #include "core/flatten/held.h"
+#include "core/flatten/rigid_solver.h"
 
 namespace arap {
 
@@ -22,14 +23,13 @@ struct LocalGlobalOptions {
 };
 
 // The matrix of the rigid step, factored. Vertices in `held` are kept; without any, `still` is.
-// `order` is an elimination order of a pattern around this one, or empty. Fault: kNumerical.
+// `order` is an elimination order of a pattern around this one. Fault: kNumerical.
 Result<GroundedSystem<double>> RigidSystem(const Cells& cells, const Held& held,
-                                           std::uint32_t still, std::size_t vertices,
-                                           std::span<const int> order);
+                                           std::uint32_t still, std::size_t vertices, Order order);
 
-// Moves `shape` (#V, units of the chart) with the system of the same cells and held vertices.
+// Moves `shape` (#V, units of the chart) with a solver for the same cells and held vertices.
 // Returns the iterations taken. Faults: kNumerical, and what `cancel` answers between iterations.
-Result<int> LocalGlobal(const Cells& cells, const Held& held, const GroundedSystem<double>& system,
+Result<int> LocalGlobal(const Cells& cells, const Held& held, const RigidSolver& solver,
                         const LocalGlobalOptions& options, const CancelToken& cancel,
                         std::vector<Complex>& shape);
 

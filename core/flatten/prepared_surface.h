@@ -14,10 +14,13 @@
 
 namespace arap {
 
-// Immutable but for the factors that it keeps; thread-safe. What is kept: the charts, and the
-// factors of the last few kinds of flattening. The same method, weights, anchors and pinned
-// vertices ask for no factorisation, wherever the pins are; other ones for a new one. Rigidity and
-// the angles of ABF are not kept.
+// Immutable but for the factors that it keeps; thread-safe. What is kept: the charts, the
+// elimination orders, and the factors of the last few kinds of flattening. The same method, edge
+// weights and anchors ask for no factorisation, whatever is pinned where and how firmly; nor do
+// layouts without pins after layouts with them. Other edge weights are other matrices: factored
+// once, in the order that is there. More than kDirectPins pins on a chart are factored in, and
+// factors with rigidity are not kept. The answer is the same to the last bit as without any of
+// this.
 class PreparedSurface {
  public:
   PreparedSurface(CutSurface surface, std::size_t input_vertices, std::size_t kept_factors);

@@ -175,6 +175,23 @@ Workspace::Workspace(Workspace&&) noexcept = default;
 Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 
 template <class Scalar>
+Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<Scalar>& lower) {
+  Common common;
+  cholmod_sparse matrix = View(lower);
+  std::vector<int> order(static_cast<std::size_t>(lower.rows()));
+  const int ok = cholmod_amd(&matrix, nullptr, 0, order.data(), common.get());
+  if (!ok || common.get()->status != CHOLMOD_OK) {
+    return Fail(FaultKind::kNumerical, fmt::format("ordering {} unknowns: {}", lower.rows(),
+                                                   StatusText(common.get()->status)));
+  }
+  return order;
+}
+
+template Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<double>&);
+template Result<std::vector<int>> EliminationOrder(
+    const Eigen::SparseMatrix<std::complex<double>>&);
+
+template <class Scalar>
 Factor<Scalar>::Factor(std::unique_ptr<FactorData> data) : data_(std::move(data)) {}
 template <class Scalar>
 Factor<Scalar>::~Factor() = default;

@@ -50,6 +50,12 @@ class Workspace {
   std::unique_ptr<Data> data_;
 };
 
+// An order of elimination with little fill for a symmetric pattern, of which `lower` (#n×#n) has
+// the lower triangle; values play no part. It also serves matrices with fewer numbers. Fault:
+// kNumerical when memory runs out.
+template <class Scalar>
+Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<Scalar>& lower);
+
 // Scalar is double or std::complex<double>.
 template <class Scalar>
 class Factor {

@@ -1,10 +1,11 @@
 // Saddle: the small dense system of the null-space form [algorithm §4]
 //
 //     [ C Z + E   C N ] [λ]   [ r ]
-//     [ (C N)ᴴ     0  ] [α] = [ 0 ]
+//     [ (C N)ᴴ    −S  ] [α] = [ 0 ]
 //
-// with one row per active constraint. Non-singular by construction: E is the compliance, hard rows
-// are independent, and every component in it has two distinct points.
+// with one row per active constraint. S is the energy of the directions N: 0 where they are the
+// null space. Non-singular by construction: E is the compliance, hard rows are independent, and
+// every component in it has two distinct points.
 #pragma once
 
 #include <cstddef>
@@ -22,13 +23,16 @@ class Saddle {
 
   Saddle() = default;
   // `cz` (k×k) with the compliance on its diagonal already, `cn` (k×m).
-  Saddle(const Matrix& cz, const Matrix& cn) {
+  Saddle(const Matrix& cz, const Matrix& cn) : Saddle(cz, cn, Matrix::Zero(cn.cols(), cn.cols())) {}
+  // `energy` is S (m×m).
+  Saddle(const Matrix& cz, const Matrix& cn, const Matrix& energy) {
     const Eigen::Index k = cz.rows(), m = cn.cols();
     if (k == 0) return;
-    matrix_ = Matrix::Zero(k + m, k + m);
+    matrix_.resize(k + m, k + m);
     matrix_.topLeftCorner(k, k) = cz;
     matrix_.topRightCorner(k, m) = cn;
     matrix_.bottomLeftCorner(m, k) = cn.adjoint();
+    matrix_.bottomRightCorner(m, m) = -energy;
     lu_.compute(matrix_);
   }
 
