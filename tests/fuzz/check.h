@@ -1,0 +1,30 @@
+// What every answer must keep, whatever was asked. A broken promise ends the process, so that the
+// fuzzer keeps the input.
+#pragma once
+
+#include <span>
+
+#include "core/base/fault.h"
+#include "core/mesh/mesh.h"
+
+namespace google::protobuf {
+class Message;
+}
+
+namespace arap::fuzz {
+
+[[noreturn]] void Broken(const char* promise, const char* details);
+
+inline void Promise(bool kept, const char* promise, const char* details = "") {
+  if (!kept) Broken(promise, details);
+}
+
+// Every number of it is finite.
+void CheckFinite(const google::protobuf::Message& message);
+void CheckFinite(std::span<const Complex> points, const char* what);
+void CheckFinite(double number, const char* what);
+
+// It says something, names no more elements than it may, and is no bug of ours (kInternal).
+void CheckFault(const Fault& fault);
+
+}  // namespace arap::fuzz

@@ -1,0 +1,42 @@
+// The fuzz targets: functions from any bytes to nothing. See script/fuzz.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace arap::fuzz {
+
+// Up to eight calls of one family, each: one byte that chooses the method, with its highest bit set
+// to fill in the session, mesh and set that exist; the length of the request in two bytes; the
+// request as on the wire. Handled without sockets by the handlers of server/rpc.
+void Session(const std::uint8_t* data, std::size_t size);
+void Mesh(const std::uint8_t* data, std::size_t size);
+void Handles(const std::uint8_t* data, std::size_t size);
+void Deform(const std::uint8_t* data, std::size_t size);
+void Flatten(const std::uint8_t* data, std::size_t size);
+void Server(const std::uint8_t* data, std::size_t size);
+
+// The messages of one StreamDeform, each with its length, over a channel within the process.
+void Stream(const std::uint8_t* data, std::size_t size);
+// One DeformTrack over the same channel.
+void Track(const std::uint8_t* data, std::size_t size);
+
+// The core alone, from bytes with a structure: registration, handles, edits, updates and picks; and
+// flattening with every option.
+void CoreDeform(const std::uint8_t* data, std::size_t size);
+void CoreFlatten(const std::uint8_t* data, std::size_t size);
+
+struct Target {
+  const char* name;  // of the corpus too
+  void (*run)(const std::uint8_t* data, std::size_t size);
+};
+
+inline constexpr Target kTargets[] = {
+    {"session", Session},        {"mesh", Mesh},
+    {"handles", Handles},        {"deform", Deform},
+    {"flatten", Flatten},        {"server", Server},
+    {"stream", Stream},          {"track", Track},
+    {"core_deform", CoreDeform}, {"core_flatten", CoreFlatten},
+};
+
+}  // namespace arap::fuzz
