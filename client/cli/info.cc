@@ -35,7 +35,20 @@ nlohmann::ordered_json LimitsJson(const client::Limits& limits) {
           {"max_track_frames", limits.max_track_frames},
           {"max_flatten_triangles", limits.max_flatten_triangles},
           {"max_cached_surfaces", limits.max_cached_surfaces},
-          {"max_cached_surface_bytes", limits.max_cached_surface_bytes}};
+          {"max_cached_surface_bytes", limits.max_cached_surface_bytes},
+          {"max_sessions_per_owner", limits.max_sessions_per_owner},
+          {"max_meshes_per_owner", limits.max_meshes_per_owner},
+          {"max_handle_sets_per_owner", limits.max_handle_sets_per_owner},
+          {"max_bytes_per_owner", limits.max_bytes_per_owner},
+          {"max_streams_per_owner", limits.max_streams_per_owner},
+          {"max_bytes", limits.max_bytes},
+          {"max_registrations", limits.max_registrations},
+          {"max_compilations", limits.max_compilations},
+          {"max_flattenings", limits.max_flattenings},
+          {"max_queued_jobs", limits.max_queued_jobs},
+          {"max_stream_fps", limits.max_stream_fps},
+          {"max_stream_idle_seconds", Seconds(limits.max_stream_idle)},
+          {"max_stream_load", limits.max_stream_load}};
 }
 
 int RunInfo(const InfoOptions& options) {

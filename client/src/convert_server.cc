@@ -25,6 +25,19 @@ Limits FromWire(const v1::Limits& limits) {
   out.max_flatten_triangles = limits.max_flatten_triangles();
   out.max_cached_surfaces = limits.max_cached_surfaces();
   out.max_cached_surface_bytes = limits.max_cached_surface_bytes();
+  out.max_sessions_per_owner = limits.max_sessions_per_owner();
+  out.max_meshes_per_owner = limits.max_meshes_per_owner();
+  out.max_handle_sets_per_owner = limits.max_handle_sets_per_owner();
+  out.max_bytes_per_owner = limits.max_bytes_per_owner();
+  out.max_streams_per_owner = limits.max_streams_per_owner();
+  out.max_bytes = limits.max_bytes();
+  out.max_registrations = limits.max_registrations();
+  out.max_compilations = limits.max_compilations();
+  out.max_flattenings = limits.max_flattenings();
+  out.max_queued_jobs = limits.max_queued_jobs();
+  out.max_stream_fps = limits.max_stream_fps();
+  out.max_stream_idle = internal::FromWire(limits.max_stream_idle());
+  out.max_stream_load = limits.max_stream_load();
   return out;
 }
 

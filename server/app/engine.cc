@@ -17,9 +17,10 @@ constexpr seconds kCollectEvery{60};
 
 }  // namespace
 
-Engine::Engine(const Limits& the_limits, const Lanes& lanes, const runtime::Clock& the_clock,
+Engine::Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::Clock& the_clock,
                store::Stores the_stores)
     : limits(the_limits),
+      lanes(the_lanes),
       clock(the_clock),
       stores(std::move(the_stores)),
       derived(limits.max_bytes, {limits.max_cached_surfaces, limits.max_cached_surface_bytes},
@@ -28,6 +29,7 @@ Engine::Engine(const Limits& the_limits, const Lanes& lanes, const runtime::Cloc
                [this](const store::SessionRecord& record) { Release(record); }),
       surfaces(derived),
       streams(limits.max_streams),
+      load(limits.max_stream_load, static_cast<double>(lanes.workers)),
       registrations("max_registrations", limits.max_registrations),
       compilations("max_compilations", limits.max_compilations),
       flattenings("max_flattenings", limits.max_flattenings),
@@ -37,6 +39,7 @@ Engine::Engine(const Limits& the_limits, const Lanes& lanes, const runtime::Cloc
       collected_(clock.SteadyNow()) {}
 
 Status Engine::Sweep() {
+  streams.Sweep(clock.SteadyNow());
   derived.EvictIdle(limits.idle_evict);
   if (auto swept = sessions.Sweep(); !swept) return swept;
   const auto now = clock.SteadyNow();

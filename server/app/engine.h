@@ -9,6 +9,7 @@
 #include "server/app/flatten_cache.h"
 #include "server/app/gate.h"
 #include "server/app/limits.h"
+#include "server/app/load_guard.h"
 #include "server/app/open_streams.h"
 #include "server/app/session_registry.h"
 #include "server/runtime/clock.h"
@@ -33,7 +34,7 @@ struct Lanes {
 //                to be computed again
 struct Engine {
   // `clock` outlives the engine.
-  Engine(const Limits& the_limits, const Lanes& lanes, const runtime::Clock& clock,
+  Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::Clock& clock,
          store::Stores the_stores);
 
   // Ends what has expired, evicts what nobody uses, and now and then removes blobs that nothing
@@ -49,12 +50,14 @@ struct Engine {
   void ReleaseMesh(const std::string& owner, const std::string& blob);
 
   const Limits limits;
+  const Lanes lanes;
   const runtime::Clock& clock;
   const store::Stores stores;
   DerivedCache derived;
   SessionRegistry sessions;
   FlattenCache surfaces;
   OpenStreams streams;
+  LoadGuard load;
   Gate registrations;
   Gate compilations;
   Gate flattenings;

@@ -1,6 +1,6 @@
 #include "server/app/open_streams.h"
 
-#include <vector>
+#include <utility>
 
 #include "server/app/names.h"
 
@@ -35,16 +35,31 @@ void OpenStreams::Remove(const OpenStream* stream) {
   streams_.erase(found);
 }
 
+std::vector<std::shared_ptr<OpenStream>> OpenStreams::AliveLocked() const {
+  std::vector<std::shared_ptr<OpenStream>> open;
+  for (const auto& [key, entry] : streams_) {
+    if (auto alive = entry.stream.lock()) open.push_back(std::move(alive));
+  }
+  return open;
+}
+
 void OpenStreams::Drain() {
   std::vector<std::shared_ptr<OpenStream>> open;
   {
     const std::lock_guard lock(mutex_);
     draining_ = true;
-    for (const auto& [key, entry] : streams_) {
-      if (auto alive = entry.stream.lock()) open.push_back(std::move(alive));
-    }
+    open = AliveLocked();
   }
   for (const auto& stream : open) stream->End(Draining());
+}
+
+void OpenStreams::Sweep(runtime::Clock::Steady now) {
+  std::vector<std::shared_ptr<OpenStream>> open;
+  {
+    const std::lock_guard lock(mutex_);
+    open = AliveLocked();
+  }
+  for (const auto& stream : open) stream->Sweep(now);
 }
 
 std::size_t OpenStreams::count() const {

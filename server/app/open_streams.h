@@ -6,9 +6,11 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "core/base/result.h"
 #include "server/app/caller.h"
+#include "server/runtime/clock.h"
 
 namespace arap::app {
 
@@ -19,6 +21,8 @@ class OpenStream {
   // Finishes the frame in work, then ends with `reason`. Returns at once. Only the first call
   // counts.
   virtual void End(Fault reason) = 0;
+  // Looks whether it has been idle for too long. Returns at once.
+  virtual void Sweep(runtime::Clock::Steady now) { static_cast<void>(now); }
 };
 
 // Thread-safe.
@@ -33,9 +37,13 @@ class OpenStreams {
   void Remove(const OpenStream* stream);
   // Ends all streams with kDraining and refuses new ones.
   void Drain();
+  // Sweeps every stream.
+  void Sweep(runtime::Clock::Steady now);
   std::size_t count() const;
 
  private:
+  std::vector<std::shared_ptr<OpenStream>> AliveLocked() const;
+
   const std::size_t limit_;
   mutable std::mutex mutex_;
   struct Entry {

@@ -16,6 +16,8 @@ StreamDeformReactor::StreamDeformReactor(app::Engine& engine, grpc::CallbackServ
     : engine_(engine),
       context_(context),
       caller_(std::move(caller)),
+      heard_(engine.clock.SteadyNow()),
+      rate_(engine.limits.max_stream_fps, heard_),
       log_("StreamDeform", "", false) {}
 
 // Nothing is delivered, and OnDone not called, before the RPC's method has returned.
@@ -38,6 +40,7 @@ void StreamDeformReactor::OnReadDone(bool ok) {
   const std::lock_guard lock(mutex_);
   reading_ = false;
   (ok ? held_ : reads_done_) = true;
+  heard_ = engine_.clock.SteadyNow();
   Pump();
 }
 
@@ -57,6 +60,23 @@ void StreamDeformReactor::OnCancel() {
 void StreamDeformReactor::End(Fault reason) {
   const std::lock_guard lock(mutex_);
   EndLocked(std::move(reason));
+  Pump();
+}
+
+void StreamDeformReactor::Sweep(runtime::Clock::Steady now) {
+  const std::lock_guard lock(mutex_);
+  const auto limit = engine_.limits.max_stream_idle;
+  if (limit.count() <= 0 || now - heard_ < limit || ending()) return;
+  const auto seconds = fmt::format("{:g}", std::chrono::duration<double>(limit).count());
+  Fault idle{FaultKind::kStreamIdle,
+             fmt::format("Nothing was said on this stream for {} s; send a ping now and then.",
+                         seconds),
+             {},
+             {{"quota", "max_stream_idle"}, {"limit", seconds}},
+             {}};
+  EndLocked(std::move(idle));
+  // Who says nothing may not read either: a write that never ends must not keep the stream.
+  if (writing_) context_->TryCancel();
   Pump();
 }
 

@@ -16,6 +16,7 @@
 #include "server/app/engine.h"
 #include "server/app/live_set.h"
 #include "server/app/open_streams.h"
+#include "server/app/token_bucket.h"
 #include "server/rpc/caller_of.h"
 #include "server/rpc/convert_shape.h"
 #include "server/rpc/rpc_log.h"
@@ -42,6 +43,7 @@ class StreamDeformReactor final
   void OnCancel() override;
   void OnDone() override;
   void End(Fault reason) override;
+  void Sweep(runtime::Clock::Steady now) override;
 
  private:
   enum class Work { kNone, kOpen, kUpdate, kEdit };
@@ -95,6 +97,9 @@ class StreamDeformReactor final
   bool reading_ = false;
   bool held_ = false;
   bool reads_done_ = false;
+  runtime::Clock::Steady heard_;  // when the client last said something
+  app::TokenBucket rate_;
+  bool granted_ = false;  // the held update has its token
 
   bool opened_ = false;
   bool latest_ = true;

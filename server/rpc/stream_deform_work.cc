@@ -77,13 +77,24 @@ bool StreamDeformReactor::TakeUpdate(const v1::HandleUpdate& update) {
     EndLocked(std::move(alive.error()));
     return true;
   }
+  if (!granted_) {
+    if (!rate_.Take(engine_.clock.SteadyNow())) {
+      if (!idle()) return false;
+      const auto limit = static_cast<std::size_t>(engine_.limits.max_stream_fps);
+      outbox_.PushError(update.sequence(), app::QuotaFull("max_stream_fps", limit));
+      return true;
+    }
+    granted_ = true;
+  }
   auto picks = PicksFromWire(update.pick_points());
   const Status merged = picks ? Merge(update) : Status(Fail(picks.error()));
   if (!merged) {
     if (!idle()) return false;  // its turn comes after the answers before it
+    granted_ = false;
     outbox_.PushError(update.sequence(), merged.error());
     return true;
   }
+  granted_ = false;
   if (next_) ++replaced_;
   next_ = Accepted{update.sequence(), {}, *std::move(picks)};
   return true;
@@ -170,6 +181,14 @@ Result<app::LiveSet> StreamDeformReactor::OpenSet() {
                       {},
                       {{"value", std::to_string(job_open_.delivery())}},
                       "open.delivery"});
+  }
+  const std::size_t vertices = entry->handles->mesh()->mesh().vertices.size();
+  const double share =
+      app::ExpectedShare(vertices, static_cast<std::size_t>(options->deform.refine));
+  if (auto admitted = engine_.load.Admit(share, engine_.interactive.stats().busy,
+                                         std::chrono::steady_clock::now());
+      !admitted) {
+    return Fail(std::move(admitted.error()));
   }
   options_ = *options;
   latest_ = job_open_.delivery() != v1::DELIVERY_EVERY;

@@ -24,6 +24,20 @@ struct Limits {
   std::uint64_t max_flatten_triangles = 0;
   std::uint64_t max_cached_surfaces = 0;
   std::uint64_t max_cached_surface_bytes = 0;
+  // Of one owner, unless its token carries other numbers.
+  std::uint64_t max_sessions_per_owner = 0;
+  std::uint64_t max_meshes_per_owner = 0;
+  std::uint64_t max_handle_sets_per_owner = 0;
+  std::uint64_t max_bytes_per_owner = 0;
+  std::uint64_t max_streams_per_owner = 0;
+  std::uint64_t max_bytes = 0;
+  std::uint64_t max_registrations = 0;
+  std::uint64_t max_compilations = 0;
+  std::uint64_t max_flattenings = 0;
+  std::uint64_t max_queued_jobs = 0;
+  double max_stream_fps = 0;
+  std::chrono::nanoseconds max_stream_idle{0};
+  double max_stream_load = 0;
 };
 
 struct ServerInfo {
