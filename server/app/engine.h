@@ -9,6 +9,7 @@
 #include "server/app/open_streams.h"
 #include "server/app/session_registry.h"
 #include "server/runtime/clock.h"
+#include "server/runtime/metrics.h"
 #include "server/runtime/worker_pool.h"
 
 namespace arap::app {
@@ -20,6 +21,9 @@ struct Lanes {
   std::size_t queue = 256;      // waiting jobs of each lane
 };
 
+// Registering a mesh yields the processor to frames.
+inline constexpr int kJobNiceness = 10;
+
 // Thread-safe member by member. Two lanes, so that an upload never delays a drag: deformation and
 // quick answers run on `interactive`; registration, compilation, edits, flattening and tracks on
 // `jobs`.
@@ -30,9 +34,10 @@ struct Engine {
         sessions(limits, clock),
         surfaces(limits.max_cached_surfaces, limits.max_cached_surface_bytes),
         streams(limits.max_streams),
-        interactive(lanes.workers, lanes.queue),
-        jobs(lanes.job_workers, lanes.queue) {}
+        interactive({"interactive", lanes.workers, lanes.queue, 0, &metrics}),
+        jobs({"jobs", lanes.job_workers, lanes.queue, kJobNiceness, &metrics}) {}
 
+  runtime::Metrics metrics;  // first: the others count in it until their end
   const Limits limits;
   SessionRegistry sessions;
   MeshCache meshes;
