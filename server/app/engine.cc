@@ -33,10 +33,16 @@ Engine::Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::
       registrations("max_registrations", limits.max_registrations),
       compilations("max_compilations", limits.max_compilations),
       flattenings("max_flattenings", limits.max_flattenings),
-      interactive(lanes.workers, lanes.queue),
-      control(lanes.control_workers, lanes.queue),
-      jobs(lanes.job_workers, lanes.queue),
-      collected_(clock.SteadyNow()) {}
+      interactive({"interactive", lanes.workers, lanes.queue, 0, &metrics}),
+      control({"control", lanes.control_workers, lanes.queue, 0, &metrics}),
+      jobs({"jobs", lanes.job_workers, lanes.queue, kJobNiceness, &metrics}),
+      collected_(clock.SteadyNow()) {
+  derived.Listen(
+      {[this](DerivedKind kind, bool hit) {
+         hit ? metrics.CacheHit(NameOf(kind)) : metrics.CacheMiss(NameOf(kind));
+       },
+       [this](DerivedKind kind, std::size_t bytes) { metrics.Evicted(NameOf(kind), bytes); }});
+}
 
 Status Engine::Sweep() {
   streams.Sweep(clock.SteadyNow());

@@ -13,6 +13,7 @@
 #include "server/app/open_streams.h"
 #include "server/app/session_registry.h"
 #include "server/runtime/clock.h"
+#include "server/runtime/metrics.h"
 #include "server/runtime/worker_pool.h"
 #include "server/store/open_store.h"
 
@@ -25,6 +26,9 @@ struct Lanes {
   std::size_t queue = 256;          // waiting jobs of each lane
   std::size_t control_workers = 2;  // threads of the control lane
 };
+
+// Registering a mesh yields the processor to frames.
+inline constexpr int kJobNiceness = 10;
 
 // Thread-safe member by member. Three lanes, so that neither an upload nor a slow disk delays a
 // drag:
@@ -49,6 +53,7 @@ struct Engine {
   void ReleaseHandleSet(const store::SessionKey& session, const std::string& handle_set_id);
   void ReleaseMesh(const std::string& owner, const std::string& blob);
 
+  runtime::Metrics metrics;  // first: the others count in it until their end
   const Limits limits;
   const Lanes lanes;
   const runtime::Clock& clock;

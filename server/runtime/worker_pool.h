@@ -1,15 +1,40 @@
 // WorkerPool: a fixed number of threads behind a bounded queue.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
 namespace arap::runtime {
+
+class Metrics;
+
+struct PoolOptions {
+  std::string name = "pool";  // of the threads and of the queue in the metrics
+  std::size_t threads = 1;
+  std::size_t queue = 0;       // jobs that may wait beside the ones that run
+  int niceness = 0;            // of the threads; 10 yields to those with 0
+  Metrics* metrics = nullptr;  // told how long jobs waited; outlives the pool
+};
+
+// What a pool is doing and has done.
+struct PoolStats {
+  std::size_t waiting = 0;
+  std::size_t running = 0;
+  std::uint64_t completed = 0;
+  std::chrono::duration<double> busy{};            // of all threads, running jobs included
+  std::chrono::duration<double> oldest_running{};  // how long the longest job runs, 0 for none
+  std::chrono::duration<double> oldest_waiting{};  // how long the first in the queue waits
+  std::chrono::duration<double> since_finish{};    // since a job ended, or since the start
+};
 
 // Thread-safe. Jobs start in the order of posting; every accepted job runs exactly once, also when
 // the pool is stopped meanwhile. A job must not throw and must not wait for another job of its
@@ -18,7 +43,8 @@ class WorkerPool {
  public:
   using Job = std::function<void()>;
 
-  // `queue` jobs may wait beside the ones that run.
+  // Has one thread at least.
+  explicit WorkerPool(PoolOptions options);
   WorkerPool(std::size_t threads, std::size_t queue);
   // Stops.
   ~WorkerPool();
@@ -36,18 +62,32 @@ class WorkerPool {
   // called from a job.
   void Stop();
 
-  std::size_t threads() const { return thread_count_; }
+  const std::string& name() const { return options_.name; }
+  std::size_t threads() const { return options_.threads; }
   std::size_t waiting() const;
+  PoolStats stats() const;
 
  private:
-  void Run();
+  using Time = std::chrono::steady_clock::time_point;
+  struct Posted {
+    Job job;
+    Time since;
+  };
 
-  const std::size_t thread_count_;
-  const std::size_t capacity_;
+  bool Post(Job job, bool bounded);
+  void Run(std::size_t thread);
+
+  const PoolOptions options_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<Job> jobs_;   // guarded by mutex_
-  bool stopped_ = false;   // guarded by mutex_
+  // Guarded by mutex_.
+  std::deque<Posted> jobs_;
+  bool stopped_ = false;
+  std::vector<std::optional<Time>> running_since_;  // by thread
+  std::uint64_t completed_ = 0;
+  std::chrono::steady_clock::duration busy_{};  // of the jobs that have ended
+  Time last_finish_;
+
   std::mutex join_mutex_;  // one Stop at a time
   std::vector<std::thread> threads_;
 };

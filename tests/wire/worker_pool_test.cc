@@ -1,11 +1,18 @@
 // The worker pool: bounded, in order, nothing lost.
 #include "server/runtime/worker_pool.h"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <future>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <pthread.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "server/runtime/metrics.h"
 
 namespace arap::runtime {
 namespace {
@@ -71,6 +78,47 @@ TEST(WorkerPoolTest, StopRunsWhatWaitsAndRefusesMore) {
   EXPECT_FALSE(pool.Continue([&] { ++runs; }));
   pool.Stop();
   EXPECT_EQ(runs, 5);
+}
+
+TEST(WorkerPoolTest, TellsWhatItDoes) {
+  Metrics metrics;
+  WorkerPool pool({"lane", 1, 10, 0, &metrics});
+  EXPECT_EQ(pool.name(), "lane");
+  EXPECT_EQ(pool.stats().running, 0u);
+  EXPECT_EQ(pool.stats().oldest_running.count(), 0);
+  Blocker blocker(pool);
+  EXPECT_TRUE(pool.TryPost([] {}));
+  const PoolStats busy = pool.stats();
+  EXPECT_EQ(busy.running, 1u);
+  EXPECT_EQ(busy.waiting, 1u);
+  EXPECT_EQ(busy.completed, 0u);
+  EXPECT_GT(busy.oldest_running.count(), 0);
+  EXPECT_GT(busy.oldest_waiting.count(), 0);
+  EXPECT_GE(busy.busy, busy.oldest_running);
+  EXPECT_GE(pool.stats().since_finish, busy.oldest_running) << "nothing has ended yet";
+  blocker.Open();
+  pool.Stop();
+  const PoolStats done = pool.stats();
+  EXPECT_EQ(done.running, 0u);
+  EXPECT_EQ(done.completed, 2u);
+  EXPECT_GT(done.busy.count(), 0);
+  EXPECT_NE(metrics.Text().find("arapd_queue_seconds_count{lane=\"lane\"} 2\n"), std::string::npos);
+}
+
+TEST(WorkerPoolTest, ThreadsAreAsNiceAsAsked) {
+  const int ours = getpriority(PRIO_PROCESS, 0);
+  int theirs = 0;
+  std::array<char, 16> name{};
+  {
+    WorkerPool pool({"jobs", 1, 1, std::min(ours + 3, 19), nullptr});
+    EXPECT_TRUE(pool.TryPost([&] {
+      theirs = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()));
+      pthread_getname_np(pthread_self(), name.data(), name.size());
+    }));
+  }
+  EXPECT_EQ(theirs, std::min(ours + 3, 19));
+  EXPECT_STREQ(name.data(), "jobs");
+  EXPECT_EQ(getpriority(PRIO_PROCESS, 0), ours);
 }
 
 TEST(WorkerPoolTest, HasAtLeastOneThread) { EXPECT_EQ(WorkerPool(0, 1).threads(), 1u); }
