@@ -64,6 +64,17 @@ Fault QuotaFull(std::string_view quota, std::size_t limit) {
   return fault;
 }
 
+Fault TooLarge(std::string_view what, std::string_view quota, std::size_t count,
+               std::size_t limit) {
+  Fault fault{FaultKind::kLimitExceeded,
+              fmt::format("{} has {} bytes, more than {} of {}.", what, count, quota, limit),
+              {},
+              {},
+              "request"};
+  fault.Detail("count", std::to_string(count)).Detail("quota", std::string(quota));
+  return fault.Detail("limit", std::to_string(limit));
+}
+
 Fault Overloaded() {
   return {FaultKind::kOverloaded, "All workers are busy and the queue is full.", {}, {}, {}};
 }

@@ -29,6 +29,9 @@ Fault Taken(const char* what, const std::string& id, const char* by);
 // kLimitExceeded that names the quota: QuotaFull("max_sessions", 1000).
 Fault QuotaFull(std::string_view quota, std::size_t limit);
 
+// kLimitExceeded for a request that is itself too large, now and later.
+Fault TooLarge(std::string_view what, std::string_view quota, std::size_t count, std::size_t limit);
+
 // kOverloaded: a lane has no room for another job.
 Fault Overloaded();
 

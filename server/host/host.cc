@@ -27,8 +27,9 @@ constexpr int kKeepaliveTimeoutMs = 20'000;
 
 void Configure(const HostOptions& options, grpc::ServerBuilder& builder) {
   constexpr std::size_t kLargest = std::numeric_limits<int>::max();
+  // Twice ours: a request just beyond the limit is refused by us, with all details.
   builder.SetMaxReceiveMessageSize(
-      static_cast<int>(std::min(options.limits.max_message_bytes, kLargest)));
+      static_cast<int>(std::min(options.limits.max_message_bytes, kLargest / 2) * 2));
   // Answers are bounded by the size of the meshes.
   builder.SetMaxSendMessageSize(-1);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);

@@ -51,6 +51,7 @@ Result<app::SessionSpec> FromWire(const v1::CreateSessionRequest& request) {
 
 void ToWire(const app::SessionView& view, v1::Session* out) {
   out->set_session_id(view.spec.id);
+  out->set_owner(view.owner);
   SetTimestamp(view.created, out->mutable_create_time());
   SetTimestamp(view.expires, out->mutable_expire_time());
   SetDuration(view.spec.ttl, out->mutable_ttl());

@@ -7,6 +7,7 @@
 #include <arap/v1/server_service.grpc.pb.h>
 
 #include "server/app/engine.h"
+#include "server/app/names.h"
 #include "server/app/warm.h"
 #include "server/rpc/caller_of.h"
 #include "server/rpc/deform_track.h"
@@ -99,7 +100,11 @@ grpc::ServerUnaryReactor* Run(const Backend& backend, const Method& method,
   }
   // What is refused takes no place on a lane and looks nothing up.
   if (caller) Route(backend.engine, method.cost, *caller, *request, job);
-  job.work = [&engine = backend.engine, request, response, handler](const Call& call) {
+  job.work = [&engine = backend.engine, request, response, handler](const Call& call) -> Status {
+    const std::size_t bytes = request->ByteSizeLong(), most = engine.limits.max_message_bytes;
+    if (bytes > most) {
+      return Fail(app::TooLarge("The request", "max_message_bytes", bytes, most));
+    }
     return handler(engine, *request, call, response);
   };
   return RunUnary(context, caller, std::move(job));

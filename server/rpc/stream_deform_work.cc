@@ -29,6 +29,11 @@ Fault Protocol(const char* message) { return {FaultKind::kProtocol, message, {},
 
 bool StreamDeformReactor::TakeMessage() {
   using Request = v1::StreamDeformRequest;
+  const std::size_t most = engine_.limits.max_message_bytes;
+  if (const std::size_t bytes = incoming_.ByteSizeLong(); bytes > most) {
+    EndLocked(app::TooLarge("The message", "max_message_bytes", bytes, most));
+    return true;
+  }
   const auto payload = incoming_.payload_case();
   if (payload == Request::PAYLOAD_NOT_SET) {
     EndLocked(Protocol("A message without payload: give open, update, edit or ping."));

@@ -74,6 +74,23 @@ TEST_F(LimitsTest, Bytes) {
   EXPECT_TRUE(Register("s", "m", Grid(4, 4)).ok()) << "nothing was lost";
 }
 
+TEST_F(LimitsTest, BytesOfAMessage) {
+  options().limits.max_message_bytes = 2'000;
+  SetUpCorners();
+  auto error =
+      ExpectError(Register("s", "n", Grid(8, 8)), grpc::RESOURCE_EXHAUSTED, "LIMIT_EXCEEDED");
+  EXPECT_EQ(error.metadata.at("quota"), "max_message_bytes");
+  EXPECT_EQ(error.metadata.at("limit"), "2000");
+  DeformStream stream(deformation());
+  stream.Opened("s", "h", v1::DELIVERY_LATEST);
+  stream.Update(1, {TargetAt(std::string(3'000, 'a'), 0, 0)});
+  EXPECT_FALSE(stream.Read().has_value());
+  error = ExpectError(stream.Finish(), grpc::RESOURCE_EXHAUSTED, "LIMIT_EXCEEDED");
+  EXPECT_EQ(error.metadata.at("quota"), "max_message_bytes");
+  EXPECT_EQ(Register("s", "n", Grid(20, 20)).error_code(), grpc::RESOURCE_EXHAUSTED)
+      << "far beyond it is gRPC that refuses";
+}
+
 TEST_F(LimitsTest, JobsOfOneKind) {
   options().limits.max_registrations = 1;
   options().lanes = {1, 1, 8};
