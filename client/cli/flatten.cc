@@ -39,7 +39,7 @@ Status WriteLayout(const FlattenFlags& flags, const client::FlattenOptions& opti
     if (auto ok = WriteWanted(flags.svg, FormatPattern(pattern, sheet)); !ok) return ok;
     if (auto ok = WriteWanted(flags.dxf, FormatDxf(pattern)); !ok) return ok;
   }
-  return WriteWanted(flags.report, JsonReport(mesh, flat));
+  return WriteWanted(flags.report, JsonReport(mesh, flat, flags.sigma));
 }
 
 Status Compare(const FlattenFlags& flags, const client::FlattenOptions& options,
@@ -59,7 +59,8 @@ Status Compare(const FlattenFlags& flags, const client::FlattenOptions& options,
 Status Flatten(const FlattenFlags& flags) {
   const Result<client::SurfaceMesh> mesh = ReadSurfaceMesh(flags.surface);
   if (!mesh) return Fail(mesh.error());
-  const Result<client::FlattenOptions> options = ReadOptions(flags, mesh->vertex_count());
+  const Result<client::FlattenOptions> options =
+      ReadOptions(flags, mesh->vertex_count(), mesh->triangle_count());
   if (!options) return Fail(options.error());
   const Result<Connection> connection = Connection::Open(flags.server);
   if (!connection) return Fail(connection.error());

@@ -40,8 +40,13 @@ void AddOutputs(CLI::App& command, FlattenFlags& flags) {
       ->add_option("--dxf", flags.dxf,
                    "the pieces in millimetres on the layers OUTLINE, SEAM, GRAIN and CUT")
       ->option_text("FILE.dxf");
-  outputs->add_option("--report", flags.report, "the measures of distortion and what was cut")
-      ->option_text("FILE.json");
+  auto* const report =
+      outputs->add_option("--report", flags.report, "the measures of distortion and what was cut")
+          ->option_text("FILE.json");
+  outputs
+      ->add_flag("--sigma", flags.sigma,
+                 "list the singular values s1 s2 of every triangle in the report too")
+      ->needs(report);
   outputs
       ->add_option("--compare", flags.compare,
                    "the layouts of several methods side by side with their measures; --method, "
@@ -77,6 +82,11 @@ void AddSurfaceFlags(CLI::App& command, FlattenFlags& flags) {
   surface
       ->add_option("--pins", flags.pins,
                    "vertices held at places: lines 'vertex u v [weight]', vertices from 1")
+      ->option_text("FILE");
+  surface
+      ->add_option("--rigidity", flags.rigidity,
+                   "how rigid every triangle is, above 0 to 1e6, 1 is neutral: a number on a line "
+                   "or a JSON array, in the order of the triangles")
       ->option_text("FILE");
   surface
       ->add_option(
@@ -154,7 +164,8 @@ void AddFlattenFlags(CLI::App& command, FlattenFlags& flags) {
   AddDrawing(command, flags);
 }
 
-Result<client::FlattenOptions> ReadOptions(const FlattenFlags& flags, std::size_t vertex_count) {
+Result<client::FlattenOptions> ReadOptions(const FlattenFlags& flags, std::size_t vertex_count,
+                                           std::size_t triangle_count) {
   client::FlattenOptions options = flags.options;
   if (!flags.seams.empty()) {
     auto seams = ReadTextFile(flags.seams).and_then([&](const std::string& text) {
@@ -169,6 +180,13 @@ Result<client::FlattenOptions> ReadOptions(const FlattenFlags& flags, std::size_
     });
     if (!pins) return Fail(pins.error());
     options.pins = *std::move(pins);
+  }
+  if (!flags.rigidity.empty()) {
+    auto rigidity = ReadTextFile(flags.rigidity).and_then([&](const std::string& text) {
+      return ParseRigidity(text, flags.rigidity, triangle_count);
+    });
+    if (!rigidity) return Fail(rigidity.error());
+    options.energy.rigidity = *std::move(rigidity);
   }
   for (const std::string& text : flags.grain) {
     const Result<client::GrainLine> line = ParseGrain(text);

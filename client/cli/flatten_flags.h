@@ -20,10 +20,11 @@ struct FlattenFlags {
   // Files to write; empty: not wanted. At least one is.
   std::string out, svg, dxf, report, compare;
   // Files to read; empty: none.
-  std::string seams, pins;
+  std::string seams, pins, rigidity;
   std::vector<std::string> grain;
   double millimetres_per_unit = 1;
   double allowance = 0;
+  bool sigma = false;  // every triangle in the report
   bool interior = false;
   bool plain = false;
   std::optional<double> timeout_seconds;
@@ -34,7 +35,9 @@ struct FlattenFlags {
 
 void AddFlattenFlags(CLI::App& command, FlattenFlags& flags);
 
-// The options with what the files and grain lines say about a surface of so many vertices.
-Result<client::FlattenOptions> ReadOptions(const FlattenFlags& flags, std::size_t vertex_count);
+// The options with what the files and grain lines say about a surface of so many vertices and
+// triangles.
+Result<client::FlattenOptions> ReadOptions(const FlattenFlags& flags, std::size_t vertex_count,
+                                           std::size_t triangle_count);
 
 }  // namespace arap::cli

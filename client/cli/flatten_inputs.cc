@@ -102,6 +102,44 @@ Result<std::vector<std::uint32_t>> ParseJsonSeams(const std::string& text, const
   return seams;
 }
 
+constexpr double kMaxRigidity = 1e6;
+
+Status CheckRigidity(double rigidity) {
+  if (rigidity > 0 && rigidity <= kMaxRigidity) return {};
+  return Bad(fmt::format("a rigidity of {} is not above 0 and at most {}", rigidity, kMaxRigidity));
+}
+
+Result<std::vector<double>> ParseJsonRigidity(const std::string& text, const std::string& name) {
+  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (json.is_discarded()) return Bad(name + ": not JSON");
+  if (!json.is_array()) return Bad(name + ": not an array of numbers");
+  std::vector<double> rigidity;
+  for (const Json& element : json) {
+    const Status good = element.is_number() ? CheckRigidity(element.get<double>())
+                                            : Bad(element.dump() + " is not a number");
+    if (!good) {
+      return Bad(fmt::format("{}: element {}: {}", name, rigidity.size(), good.error().message));
+    }
+    rigidity.push_back(element.get<double>());
+  }
+  return rigidity;
+}
+
+Result<std::vector<double>> ParseRigidityLines(const std::string& text, const std::string& name) {
+  std::vector<double> rigidity;
+  const Status read = ReadLines(text, name, [&](const Words& words) -> Status {
+    if (words.size() > 1) {
+      return Bad(fmt::format("a line has one rigidity, these are {} words", words.size()));
+    }
+    const std::optional<double> number = ParseFinite(words[0]);
+    if (!number) return Bad(fmt::format("'{}' is not a finite number", words[0]));
+    rigidity.push_back(*number);
+    return CheckRigidity(*number);
+  });
+  if (!read) return Fail(read.error());
+  return rigidity;
+}
+
 }  // namespace
 
 Result<std::vector<std::uint32_t>> ParseSeams(const std::string& text, const std::string& name,
@@ -146,6 +184,16 @@ Result<std::vector<client::UvPin>> ParsePins(const std::string& text, const std:
   });
   if (!read) return Fail(read.error());
   return pins;
+}
+
+Result<std::vector<double>> ParseRigidity(const std::string& text, const std::string& name,
+                                          std::size_t triangle_count) {
+  auto rigidity = IsJson(text) ? ParseJsonRigidity(text, name) : ParseRigidityLines(text, name);
+  if (rigidity && rigidity->size() != triangle_count) {
+    return Bad(fmt::format("{}: {} numbers; the surface has {} triangles, and each needs one", name,
+                           rigidity->size(), triangle_count));
+  }
+  return rigidity;
 }
 
 Result<client::GrainLine> ParseGrain(const std::string& text) {

@@ -1,4 +1,4 @@
-// What flatten is told beside the surface: seams, pins, grain lines.
+// What flatten is told beside the surface: seams, pins, rigidity, grain lines.
 #pragma once
 
 #include <cstddef>
@@ -23,6 +23,11 @@ Result<std::vector<std::uint32_t>> ParseSeams(const std::string& text, const std
 // A line per pin: vertex u v [weight], u and v in the units of the surface; # begins a comment.
 Result<std::vector<client::UvPin>> ParsePins(const std::string& text, const std::string& name,
                                              std::size_t vertex_count);
+
+// One number per triangle in the order of the file, above 0 and at most 1e6; 1 is neutral. Text has
+// one on a line, # begins a comment; JSON is an array.
+Result<std::vector<double>> ParseRigidity(const std::string& text, const std::string& name,
+                                          std::size_t triangle_count);
 
 // FROM,TO[,ANGLE] with vertices from 1 and degrees. Says so when it is something else.
 Result<client::GrainLine> ParseGrain(const std::string& text);

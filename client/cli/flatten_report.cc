@@ -51,7 +51,8 @@ Json ChartJson(const client::FlatChart& chart, const client::FlatSurface& flat) 
 
 }  // namespace
 
-std::string JsonReport(const client::SurfaceMesh& mesh, const client::FlatSurface& flat) {
+std::string JsonReport(const client::SurfaceMesh& mesh, const client::FlatSurface& flat,
+                       bool sigma) {
   Json warnings = Json::array();
   for (const client::Warning& warning : flat.warnings) {
     warnings.push_back({{"kind", warning.kind},
@@ -65,20 +66,26 @@ std::string JsonReport(const client::SurfaceMesh& mesh, const client::FlatSurfac
   for (std::size_t i = 0; i + 1 < flat.cut_edges.size(); i += 2) {
     cuts.push_back({flat.cut_edges[i], flat.cut_edges[i + 1]});
   }
-  const Json json{{"vertices", mesh.vertex_count()},
-                  {"triangles", mesh.triangle_count()},
-                  {"flat_positions", flat.uv.size() / 2},
-                  {"distortion", DistortionJson(flat.distortion)},
-                  {"boundary_overlaps", flat.boundary_overlaps},
-                  {"anchor_vertices", flat.anchor_vertices},
-                  {"charts", charts},
-                  {"cut_edges", cuts},
-                  {"auto_cut_count", flat.auto_cut_count},
-                  {"left_out_triangles", flat.left_out_triangles},
-                  {"warnings", warnings},
-                  {"surface_cached", flat.surface_cached},
-                  {"queue_micros", flat.queue_micros},
-                  {"solve_micros", flat.solve_micros}};
+  Json json{{"vertices", mesh.vertex_count()},
+            {"triangles", mesh.triangle_count()},
+            {"flat_positions", flat.uv.size() / 2},
+            {"distortion", DistortionJson(flat.distortion)},
+            {"boundary_overlaps", flat.boundary_overlaps},
+            {"anchor_vertices", flat.anchor_vertices},
+            {"charts", charts},
+            {"cut_edges", cuts},
+            {"auto_cut_count", flat.auto_cut_count},
+            {"left_out_triangles", flat.left_out_triangles},
+            {"warnings", warnings},
+            {"surface_cached", flat.surface_cached},
+            {"queue_micros", flat.queue_micros},
+            {"solve_micros", flat.solve_micros}};
+  if (sigma) {
+    Json& values = json["singular_values"] = Json::array();
+    for (std::size_t i = 0; i + 1 < flat.singular_values.size(); i += 2) {
+      values.push_back({flat.singular_values[i], flat.singular_values[i + 1]});
+    }
+  }
   return json.dump(2) + "\n";
 }
 

@@ -1,4 +1,4 @@
-// Seams, pins and grain lines as they are written in files and on the command line.
+// Seams, pins, rigidity and grain lines as they are written in files and on the command line.
 #include "client/cli/flatten_inputs.h"
 
 #include <gmock/gmock.h>
@@ -12,7 +12,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr std::size_t kVertices = 9;
+constexpr std::size_t kVertices = 9, kTriangles = 3;
 
 std::string SeamFault(const std::string& text) {
   const auto seams = ParseSeams(text, "s.txt", kVertices);
@@ -84,6 +84,41 @@ TEST(Pins, FaultsNameTheLine) {
   EXPECT_EQ(PinFault("1 0 1e999\n"), "p.txt:1: '1e999' is not a finite number");
   EXPECT_THAT(PinFault("1 0 0 -1\n"), HasSubstr("p.txt:1: a weight is not negative"));
   EXPECT_EQ(PinFault("\n10 0 0\n"), "p.txt:2: vertex 10: the surface has 9");
+}
+
+std::string RigidityFault(const std::string& text) {
+  const auto rigidity = ParseRigidity(text, "r.txt", kTriangles);
+  return rigidity ? "no fault" : rigidity.error().message;
+}
+
+TEST(Rigidity, IsANumberPerTriangle) {
+  for (const char* text : {"# stiff at the waist\n1\n\n 2.5e1 # here\n1e6\r\n", "[1, 25, 1e6]"}) {
+    const auto rigidity = ParseRigidity(text, "r.txt", kTriangles);
+    ASSERT_TRUE(rigidity) << rigidity.error().message;
+    EXPECT_THAT(*rigidity, ElementsAre(1, 25, 1e6)) << text;
+  }
+}
+
+TEST(Rigidity, FaultsNameTheLineAndTheLimit) {
+  EXPECT_EQ(RigidityFault("1\n\nstiff\n1\n"), "r.txt:3: 'stiff' is not a finite number");
+  EXPECT_EQ(RigidityFault("1\nnan\n1\n"), "r.txt:2: 'nan' is not a finite number");
+  EXPECT_EQ(RigidityFault("1 1 1\n"), "r.txt:1: a line has one rigidity, these are 3 words");
+  EXPECT_EQ(RigidityFault("1\n0\n1\n"),
+            "r.txt:2: a rigidity of 0 is not above 0 and at most 1000000");
+  EXPECT_THAT(RigidityFault("1\n1\n-2\n"), HasSubstr("r.txt:3: a rigidity of -2 is not above 0"));
+  EXPECT_THAT(RigidityFault("1\n1\n1000001\n"), HasSubstr("at most 1000000"));
+  EXPECT_EQ(RigidityFault("1\n1\n"),
+            "r.txt: 2 numbers; the surface has 3 triangles, and each needs one");
+  EXPECT_THAT(RigidityFault(""), HasSubstr("r.txt: 0 numbers; the surface has 3"));
+}
+
+TEST(Rigidity, JsonFaultsNameTheElementAndTheLimit) {
+  EXPECT_EQ(RigidityFault("[1, \"stiff\", 1]"), "r.txt: element 1: \"stiff\" is not a number");
+  EXPECT_EQ(RigidityFault("[1, 1, 2e6]"),
+            "r.txt: element 2: a rigidity of 2000000 is not above 0 and at most 1000000");
+  EXPECT_THAT(RigidityFault("[1, 1, 1, 1]"), HasSubstr("4 numbers; the surface has 3 triangles"));
+  EXPECT_THAT(RigidityFault("[1, 1"), HasSubstr("not JSON"));
+  EXPECT_THAT(RigidityFault("{\"rigidity\": 1}"), HasSubstr("not an array of numbers"));
 }
 
 TEST(Grain, IsTwoVerticesAndPerhapsAnAngle) {
@@ -162,7 +197,7 @@ TEST(FlattenFlags, SayWhatTheyAreCalled) {
   EXPECT_EQ(flags->millimetres_per_unit, 25.4);
   EXPECT_EQ(flags->allowance, 10);
   EXPECT_EQ(flags->timeout(), std::chrono::milliseconds(1500));
-  const auto read = ReadOptions(*flags, kVertices);
+  const auto read = ReadOptions(*flags, kVertices, kTriangles);
   ASSERT_TRUE(read) << read.error().message;
   ASSERT_EQ(read->grain_lines.size(), 2u);
   EXPECT_EQ(read->grain_lines[1].from_vertex, 2u);

@@ -54,6 +54,14 @@ TEST(FlattenReport, HasEverythingThatIsKnown) {
   EXPECT_EQ(report["solve_micros"], 12.5);
 }
 
+TEST(FlattenReport, ListsEveryTriangleOnRequest) {
+  client::FlatSurface flat = FlatTriangle();
+  flat.singular_values = {1.5, -0.25};
+  EXPECT_FALSE(nlohmann::json::parse(JsonReport(kTriangle, flat)).contains("singular_values"));
+  const auto report = nlohmann::json::parse(JsonReport(kTriangle, flat, true));
+  EXPECT_EQ(report["singular_values"], nlohmann::json::parse("[[1.5, -0.25]]"));
+}
+
 TEST(FlattenReport, IsAFileOfSeams) {
   const auto seams = ParseSeams(JsonReport(kTriangle, FlatTriangle()), "report.json", 3);
   ASSERT_TRUE(seams) << seams.error().message;

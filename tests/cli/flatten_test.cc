@@ -1,4 +1,5 @@
 // flatten against a private server.
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -150,6 +151,49 @@ TEST_F(FlattenCommand, HoldsPins) {
   EXPECT_NEAR(uv[2 * kColumns], 4, 1e-6);  // the next row, on the left of the first
 }
 
+// Where the surface is more rigid it is strained less, triangle by triangle.
+TEST_F(FlattenCommand, RigidTrianglesAreStrainedLess) {
+  ASSERT_EQ(Arapctl({"sample", "face", "--edge", "2", "--out", Path("face.obj")}).code, 0);
+  const auto strain = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"flatten",  Path("face.obj"),    "--spawn",
+                                   "--report", Path("report.json"), "--sigma"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = Arapctl(words);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    std::vector<double> strains;
+    for (const auto& s : Report()["singular_values"]) {
+      strains.push_back(std::hypot(s[0].get<double>() - 1, s[1].get<double>() - 1));
+    }
+    EXPECT_EQ(strains.size(), Report()["triangles"].get<std::size_t>());
+    return strains;
+  };
+  const std::vector<double> even = strain({});
+  ASSERT_FALSE(even.empty());
+  // The half that is strained most.
+  std::vector<double> sorted = even;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<long>(sorted.size() / 2),
+                   sorted.end());
+  const double middle = sorted[sorted.size() / 2];
+  std::string lines;
+  for (const double s : even) lines += s > middle ? "100\n" : "1\n";
+  Put("rigidity.txt", lines);
+  const std::vector<double> held = strain({"--rigidity", Path("rigidity.txt")});
+  ASSERT_EQ(held.size(), even.size());
+  double before = 0, after = 0;
+  for (std::size_t t = 0; t < even.size(); ++t) {
+    if (even[t] <= middle) continue;
+    before += even[t];
+    after += held[t];
+  }
+  EXPECT_LT(after, 0.8 * before);
+}
+
+TEST_F(FlattenCommand, SigmaNeedsAReport) {
+  const Outcome outcome = Arapctl({"flatten", Path("a.obj"), "--out", Path("b.obj"), "--sigma"});
+  EXPECT_NE(outcome.code, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("--report"));
+}
+
 TEST_F(FlattenCommand, FilesThatAreWrongAreNamedWithTheirLine) {
   Put("rolled.obj", FormatObj(RolledSheet()));
   Put("pins.txt", "1 0 0\n226 1 0\n");
@@ -162,6 +206,11 @@ TEST_F(FlattenCommand, FilesThatAreWrongAreNamedWithTheirLine) {
                                  Path("seams.txt"), "--out", Path("flat.obj")});
   EXPECT_EQ(seams.code, 1);
   EXPECT_THAT(seams.err, HasSubstr("seams.txt:2: a seam goes from"));
+  Put("rigidity.txt", "1\n1\n0\n");
+  const Outcome rigidity = Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--rigidity",
+                                    Path("rigidity.txt"), "--out", Path("flat.obj")});
+  EXPECT_EQ(rigidity.code, 1);
+  EXPECT_THAT(rigidity.err, HasSubstr("rigidity.txt:3: a rigidity of 0 is not above 0"));
   const Outcome missing = Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--seams",
                                    Path("none.txt"), "--out", Path("flat.obj")});
   EXPECT_EQ(missing.code, 1);
