@@ -21,7 +21,7 @@ TinyDisk::~TinyDisk() {
 
 void TinyDisk::Fill() {
   const store::File file(open((dir_ / "filler").c_str(), O_WRONLY | O_CREAT, 0600));
-  for (std::size_t size : {65536, 4096, 1}) {
+  for (const std::size_t size : {65536u, 4096u, 1u}) {
     const std::string bytes(size, 'x');
     lseek(file.fd(), 0, SEEK_END);
     while (write(file.fd(), bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size())) {
