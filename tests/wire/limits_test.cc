@@ -78,7 +78,7 @@ TEST_F(LimitsTest, BytesOfAMessage) {
   options().limits.max_message_bytes = 2'000;
   SetUpCorners();
   auto error =
-      ExpectError(Register("s", "n", Grid(8, 8)), grpc::RESOURCE_EXHAUSTED, "LIMIT_EXCEEDED");
+      ExpectError(Register("s", "n", Grid(10, 10)), grpc::RESOURCE_EXHAUSTED, "LIMIT_EXCEEDED");
   EXPECT_EQ(error.metadata.at("quota"), "max_message_bytes");
   EXPECT_EQ(error.metadata.at("limit"), "2000");
   DeformStream stream(deformation());
