@@ -1,125 +1,38 @@
-// arapd: flags, signals, logs, wiring. The only file of the server that touches the whole process.
-#include <algorithm>
+// arapd: signals, logs, wiring. The only file of the server that touches the whole process.
+#include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstdint>
 #include <cstdio>
+#include <ctime>
+#include <functional>
 #include <string>
-#include <thread>
+#include <utility>
+#include <vector>
 
-#include <CLI/CLI.hpp>
 #include <grpc/support/log.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
-#include "core/deform/deformer.h"
 #include "server/app/version.h"
+#include "server/config/config.h"
+#include "server/config/logs.h"
 #include "server/host/host.h"
-#include "server/host/listen.h"
 
 namespace {
 
-struct Flags {
-  arap::host::HostOptions host;
-  double drain_seconds = 5;
-  double default_ttl_seconds = 3'600;
-  double max_ttl_seconds = 86'400;
-  std::string log_level = "info";
-};
+using arap::config::Config;
 
-constexpr double kMaxSeconds = 1e9;
+constexpr int kBadConfig = 2;
 
-std::chrono::milliseconds Milliseconds(double seconds) {
-  return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1e3));
+int Complain(const arap::Fault& fault, int code) {
+  std::fprintf(stderr, "arapd: %s\n", fault.message.c_str());
+  return code;
 }
 
-void AddLimits(CLI::App& app, Flags& flags) {
-  arap::app::Limits& limits = flags.host.limits;
-  const auto add = [&](const char* name, auto& value, const char* help, double largest = 1e9) {
-    app.add_option(name, value, help)
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, largest))
-        ->group("Limits");
-  };
-  add("--max-sessions", limits.max_sessions, "Sessions on this server");
-  add("--max-meshes-per-session", limits.max_meshes_per_session, "Meshes of one session");
-  add("--max-handle-sets-per-session", limits.max_handle_sets_per_session,
-      "Handle sets of one session");
-  add("--max-vertices", limits.max_vertices, "Vertices of one mesh");
-  add("--max-triangles", limits.max_triangles, "Triangles of one mesh");
-  add("--max-handles", limits.max_handles, "Handles of one handle set");
-  add("--max-message-bytes", limits.max_message_bytes, "Bytes of one request message");
-  add("--max-streams", limits.max_streams, "Open streams and running tracks");
-  add("--max-track-frames", limits.max_track_frames, "Frames of one track");
-  add("--max-refine", limits.max_refine, "Refinement iterations of one update", arap::kMaxRefine);
-  add("--max-flatten-triangles", limits.max_flatten_triangles, "Triangles of one flattening");
-  add("--max-cached-surfaces", limits.max_cached_surfaces, "Surfaces kept under a surface_key");
-  add("--max-cached-surface-bytes", limits.max_cached_surface_bytes,
-      "Bytes that the surfaces kept take together", 1e15);
-  app.add_option("--default-ttl-seconds", flags.default_ttl_seconds,
-                 "How long a session lives without use, unless it says so itself")
-      ->capture_default_str()
-      ->check(CLI::Range(1.0, kMaxSeconds))
-      ->group("Limits");
-  app.add_option("--max-ttl-seconds", flags.max_ttl_seconds,
-                 "How long a session may ask to live without use")
-      ->capture_default_str()
-      ->check(CLI::Range(1.0, kMaxSeconds))
-      ->group("Limits");
-}
-
-void AddAccess(CLI::App& app, arap::host::AccessOptions& access) {
-  constexpr const char* kGroup = "Who may connect";
-  app.add_option("--tls-cert", access.tls.certificate,
-                 "Certificate in PEM: TCP addresses speak TLS. Read again when it changes")
-      ->group(kGroup);
-  app.add_option("--tls-key", access.tls.key, "Its private key in PEM")->group(kGroup);
-  app.add_option("--tls-client-ca", access.tls.client_ca,
-                 "Authorities of client certificates in PEM; the common name is the owner")
-      ->group(kGroup);
-  app.add_flag("--require-client-cert", access.tls.require_client_certificate,
-               "Refuse connections without a client certificate")
-      ->group(kGroup);
-  app.add_option("--token-file", access.token_file,
-                 "Bearer tokens as `arapctl token` writes them; callers need one (or a client "
-                 "certificate). Read again when it changes and at SIGHUP")
-      ->group(kGroup);
-  app.add_flag(std::string("--") + arap::host::kAllowPlaintextFlag, access.allow_plaintext,
-               "Listen beyond this machine without TLS")
-      ->group(kGroup);
-  app.add_flag(std::string("--") + arap::host::kAllowAnyoneFlag, access.allow_anyone,
-               "Listen beyond this machine without asking who is calling")
-      ->group(kGroup);
-}
-
-void AddFlags(CLI::App& app, Flags& flags) {
-  app.add_option("--listen", flags.host.listen,
-                 "Address to listen on, host:port (port 0: any free one) or unix:PATH; repeatable")
-      ->capture_default_str()
-      ->allow_extra_args(false);
-  app.add_option("--workers", flags.host.lanes.workers, "Threads for deformation")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1'024));
-  app.add_option("--job-workers", flags.host.lanes.job_workers,
-                 "Threads for registration, compilation, flattening and tracks")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1'024));
-  app.add_option("--queue", flags.host.lanes.queue, "Jobs that may wait, of each kind")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1'000'000));
-  app.add_flag("--reflection,!--no-reflection", flags.host.reflection,
-               "Serve the descriptions of the services (by default only where nobody but this "
-               "machine reaches the server)");
-  app.add_option("--drain-seconds", flags.drain_seconds,
-                 "How long running calls may go on after SIGINT or SIGTERM")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 86'400.0));
-  app.add_option("--log-level", flags.log_level, "What goes to stderr")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}));
-  AddAccess(app, flags.host.access);
-  AddLimits(app, flags);
-  app.set_version_flag("--version", std::string("arapd ") + arap::app::Version());
+std::vector<std::string> Environment() {
+  std::vector<std::string> variables;
+  for (char** variable = environ; *variable != nullptr; ++variable) variables.push_back(*variable);
+  return variables;
 }
 
 // gRPC's own complaints, in our log.
@@ -128,56 +41,121 @@ void LogFromGrpc(gpr_log_func_args* args) {
               "grpc message=\"{}\"", args->message);
 }
 
-void SetUpLog(const std::string& level) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt("arapd"));
-  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z level=%l %v");
-  spdlog::set_level(spdlog::level::from_str(level));
+arap::Status SetUpLogs(const arap::config::LogOptions& options) {
+  auto logs = arap::config::MakeLogs(options);
+  if (!logs) return arap::Fail(std::move(logs.error()));
+  spdlog::set_default_logger(logs->main);
+  if (logs->access) spdlog::register_logger(logs->access);
   gpr_set_log_function(LogFromGrpc);
+  return {};
+}
+
+void LogConfig(const arap::config::Outcome& outcome) {
+  for (const auto& [name, value, source] : outcome.settings) {
+    spdlog::info("event=config name={} value=\"{}\" source={}", name, value, source);
+  }
+  // An orchestrator may put variables of its own under our prefix: no reason not to start.
+  for (const std::string& variable : outcome.unknown) {
+    spdlog::warn("event=unknown_variable name={}", variable);
+  }
 }
 
 // Blocked before any thread exists, so that only main takes them.
 sigset_t BlockSignals() {
   sigset_t signals;
   sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGHUP);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
   return signals;
 }
 
-}  // namespace
+// What SIGHUP reads again. A file that cannot be used leaves things as they were.
+struct ReloadHook {
+  const char* name;
+  std::function<arap::Status()> run;
+};
 
-int main(int argc, char** argv) {
-  Flags flags;
-  const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
-  flags.host.lanes = {cores, std::max<std::size_t>(1, cores / 2), 256};
-  CLI::App app{"As-rigid-as-possible deformation and flattening as a service.", "arapd"};
-  AddFlags(app, flags);
-  CLI11_PARSE(app, argc, argv);
-  flags.host.limits.max_ttl = Milliseconds(flags.max_ttl_seconds);
-  flags.host.limits.default_ttl =
-      std::min(Milliseconds(flags.default_ttl_seconds), flags.host.limits.max_ttl);
+void Reload(const std::vector<ReloadHook>& hooks) {
+  for (const ReloadHook& hook : hooks) {
+    if (const arap::Status done = hook.run(); done) {
+      spdlog::info("event=reloaded what={}", hook.name);
+    } else {
+      spdlog::error("event=reload_failed what={} message=\"{}\"", hook.name, done.error().message);
+    }
+  }
+}
 
-  const sigset_t signals = BlockSignals();
-  SetUpLog(flags.log_level);
-  auto host = arap::host::Host::Start(flags.host);
+// The first of SIGINT and SIGTERM; SIGHUP reloads meanwhile.
+int AwaitStop(const sigset_t& signals, const std::vector<ReloadHook>& hooks) {
+  int signal = 0;
+  while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) Reload(hooks);
+  return signal;
+}
+
+// Lets load balancers look elsewhere. A second signal cuts it short.
+void AwaitDelay(const sigset_t& signals, std::chrono::milliseconds delay,
+                const std::vector<ReloadHook>& hooks) {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + delay;
+  for (auto left = end - Clock::now(); left.count() > 0; left = end - Clock::now()) {
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
+    const timespec wait{seconds.count(), std::chrono::nanoseconds(left - seconds).count()};
+    const int signal = sigtimedwait(&signals, nullptr, &wait);
+    if (signal == SIGHUP) Reload(hooks);
+    if (signal == SIGINT || signal == SIGTERM) return;
+  }
+}
+
+int Serve(const arap::config::Outcome& outcome, const sigset_t& signals) {
+  const Config& config = outcome.config;
+  if (const arap::Status ready = SetUpLogs(config.log); !ready) return Complain(ready.error(), 1);
+  LogConfig(outcome);
+  auto host = arap::host::Host::Start(config.host);
   if (!host) {
-    std::fprintf(stderr, "arapd: %s\n", host.error().message.c_str());
-    return 1;
+    spdlog::error("event=start_failed message=\"{}\"", host.error().message);
+    return Complain(host.error(), 1);
   }
   for (const std::string& address : (*host)->addresses()) {
     std::printf("arapd listening on %s\n", address.c_str());
   }
+  const std::string admin = (*host)->admin_address();
+  if (!admin.empty()) std::printf("arapd admin on %s\n", admin.c_str());
   std::fflush(stdout);
-  spdlog::info("event=ready version={} workers={} job_workers={} queue={}", arap::app::Version(),
-               flags.host.lanes.workers, flags.host.lanes.job_workers, flags.host.lanes.queue);
+  spdlog::info("event=ready version={} admin={}", arap::app::Version(),
+               admin.empty() ? "-" : admin);
 
-  int signal = 0;
-  while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) (void)(*host)->access().Reload();
-  spdlog::info("event=draining signal={} streams={}", signal, (*host)->engine().streams.count());
-  (*host)->Stop(Milliseconds(flags.drain_seconds));
+  const std::vector<ReloadHook> hooks = {{"access", [&] { return (*host)->access().Reload(); }}};
+  const int signal = AwaitStop(signals, hooks);
+  (*host)->Drain();
+  spdlog::info("event=draining signal={} streams={} delay_s={}", signal,
+               (*host)->engine().streams.count(), config.drain_delay_seconds);
+  AwaitDelay(signals, arap::config::Milliseconds(config.drain_delay_seconds), hooks);
+  spdlog::info("event=stopping streams={} grace_s={}", (*host)->engine().streams.count(),
+               config.drain_seconds);
+  (*host)->Stop(arap::config::Milliseconds(config.drain_seconds));
   spdlog::info("event=stopped");
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const sigset_t signals = BlockSignals();
+  auto outcome = arap::config::Read({argv + 1, argv + argc}, Environment());
+  if (!outcome) return Complain(outcome.error(), kBadConfig);
+  if (outcome->done) {
+    std::fputs(outcome->text.c_str(), stdout);
+    return 0;
+  }
+  if (outcome->config.check) {
+    if (const arap::Status good = arap::config::Check(outcome->config); !good) {
+      return Complain(good.error(), kBadConfig);
+    }
+    std::puts("arapd: the configuration is good");
+    return 0;
+  }
+  const int code = Serve(*outcome, signals);
+  spdlog::shutdown();
+  return code;
 }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/app/warm.h"
+#include "server/store/measured.h"
 
 namespace arap::app {
 namespace {
@@ -22,7 +23,7 @@ Engine::Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::
     : limits(the_limits),
       lanes(the_lanes),
       clock(the_clock),
-      stores(std::move(the_stores)),
+      stores(store::Measured(std::move(the_stores), metrics)),
       derived(limits.max_bytes, {limits.max_cached_surfaces, limits.max_cached_surface_bytes},
               clock),
       sessions(limits, clock, *stores.specs,

@@ -7,8 +7,11 @@
 namespace arap::app {
 namespace {
 
+// The session is in the store: the same open works on whichever server takes the next connection.
 Fault Draining() {
-  return {FaultKind::kDraining, "The server is shutting down; connect again.", {}, {}, {}};
+  Fault fault{
+      FaultKind::kDraining, "The server is shutting down; open again elsewhere.", {}, {}, {}};
+  return fault.Detail("resume", "open_again");
 }
 
 }  // namespace

@@ -10,10 +10,14 @@
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/impl/service_type.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "server/host/admin_http.h"
 #include "server/host/listen.h"
+#include "server/host/process_metrics.h"
 #include "server/rpc/services.h"
+#include "server/runtime/ticker.h"
 
 namespace arap::host {
 namespace {
@@ -24,6 +28,7 @@ constexpr int kMinPingIntervalMs = 1'000;
 // The server asks after this much silence, and gives up after this long without an answer.
 constexpr int kKeepaliveMs = 60'000;
 constexpr int kKeepaliveTimeoutMs = 20'000;
+constexpr std::chrono::milliseconds kHealthPeriod = std::chrono::seconds(1);
 
 void Configure(const HostOptions& options, grpc::ServerBuilder& builder) {
   constexpr std::size_t kLargest = std::numeric_limits<int>::max();
@@ -56,8 +61,17 @@ class Host::Impl {
       : clock_(std::move(clock)),
         access_(std::move(access)),
         engine_(options.limits, options.lanes, *clock_, std::move(stores)),
+        readiness_(options.stuck_after, *clock_),
         services_(rpc::MakeServices(engine_, access_->identity())),
-        listen_(options.listen) {}
+        listen_(options.listen) {
+    // Jobs may take long.
+    for (const runtime::WorkerPool* lane : {&engine_.interactive, &engine_.control}) {
+      readiness_.WatchLane(lane->name(), [lane] { return lane->stats(); });
+    }
+    readiness_.WatchStore([this] { return engine_.stores.specs->Probe(); });
+    WatchProcess(engine_.metrics);
+    WatchEngine(engine_);
+  }
 
   ~Impl() { Stop(std::chrono::milliseconds::zero()); }
   Impl(const Impl&) = delete;
@@ -65,6 +79,9 @@ class Host::Impl {
 
   app::Engine& engine() { return engine_; }
   Access& access() { return *access_; }
+  const Readiness& readiness() const { return readiness_; }
+
+  std::string admin_address() const { return admin_ ? admin_->address() : std::string(); }
 
   Result<std::vector<std::string>> Serve(const HostOptions& options) {
     const bool local = std::all_of(listen_.begin(), listen_.end(), IsLocal);
@@ -96,9 +113,43 @@ class Host::Impl {
     return addresses;
   }
 
+  // After Serve.
+  Status ServeAdmin(const std::string& address) {
+    if (address.empty()) return {};
+    auto admin = AdminHttp::Start(address, {[this] { return readiness_.Check(); },
+                                            [this] { return engine_.metrics.Text(); }});
+    if (!admin) return Fail(std::move(admin.error()));
+    admin_ = *std::move(admin);
+    return {};
+  }
+
+  void StartHealth() {
+    health_ticker_ = std::make_unique<runtime::Ticker>(kHealthPeriod, [this] { RefreshHealth(); });
+  }
+
+  void RefreshHealth() {
+    readiness_.Probe();
+    const Verdict verdict = readiness_.Check();
+    const std::lock_guard lock(health_mutex_);
+    if (verdict.state != said_) {
+      spdlog::log(verdict.ready() ? spdlog::level::info : spdlog::level::warn,
+                  "event=readiness state={} why=\"{}\"", StateName(verdict.state), verdict.why);
+    }
+    said_ = verdict.state;
+    Serving(verdict.ready());
+  }
+
+  void Drain() {
+    readiness_.Drain();
+    const std::lock_guard lock(health_mutex_);
+    said_ = Verdict::State::kDraining;
+    Serving(false);
+  }
+
   void Stop(std::chrono::milliseconds grace) {
+    Drain();
+    if (health_ticker_) health_ticker_->Stop();
     if (server_) {
-      if (auto* health = server_->GetHealthCheckService()) health->SetServingStatus(false);
       engine_.streams.Drain();
       server_->Shutdown(std::chrono::system_clock::now() + grace);
       server_->Wait();
@@ -111,9 +162,16 @@ class Host::Impl {
     for (runtime::WorkerPool* lane : {&engine_.control, &engine_.interactive, &engine_.jobs}) {
       lane->Stop();
     }
+    admin_.reset();
   }
 
  private:
+  // With health_mutex_ held.
+  void Serving(bool serving) {
+    auto* health = server_ ? server_->GetHealthCheckService() : nullptr;
+    if (health != nullptr) health->SetServingStatus(serving);
+  }
+
   Fault CannotListen(const std::vector<int>& ports) const {
     // The first port that was not bound; those after it were not tried.
     std::size_t failed = 0;
@@ -131,9 +189,14 @@ class Host::Impl {
   const std::shared_ptr<const runtime::Clock> clock_;
   const std::unique_ptr<Access> access_;
   app::Engine engine_;
+  Readiness readiness_;
   const std::vector<rpc::NamedService> services_;
   const std::vector<std::string> listen_;
   std::unique_ptr<grpc::Server> server_;
+  std::unique_ptr<AdminHttp> admin_;
+  std::mutex health_mutex_;  // what is said to grpc.health follows the order of what is found
+  Verdict::State said_ = Verdict::State::kReady;  // guarded by health_mutex_
+  std::unique_ptr<runtime::Ticker> health_ticker_;
 };
 
 Result<std::unique_ptr<Host>> Host::Start(HostOptions options) {
@@ -147,6 +210,8 @@ Result<std::unique_ptr<Host>> Host::Start(HostOptions options) {
       std::make_unique<Impl>(options, std::move(clock), *std::move(access), *std::move(stores));
   auto addresses = impl->Serve(options);
   if (!addresses) return Fail(std::move(addresses.error()));
+  if (auto admin = impl->ServeAdmin(options.admin); !admin) return Fail(std::move(admin.error()));
+  impl->StartHealth();
   return std::unique_ptr<Host>(new Host(std::move(impl), *std::move(addresses)));
 }
 
@@ -155,9 +220,17 @@ Host::Host(std::unique_ptr<Impl> impl, std::vector<std::string> addresses)
 
 Host::~Host() = default;
 
+std::string Host::admin_address() const { return impl_->admin_address(); }
+
 app::Engine& Host::engine() { return impl_->engine(); }
 
 Access& Host::access() { return impl_->access(); }
+
+const Readiness& Host::readiness() const { return impl_->readiness(); }
+
+void Host::RefreshHealth() { impl_->RefreshHealth(); }
+
+void Host::Drain() { impl_->Drain(); }
 
 void Host::Stop(std::chrono::milliseconds grace) { impl_->Stop(grace); }
 

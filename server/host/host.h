@@ -11,6 +11,7 @@
 #include "server/app/engine.h"
 #include "server/app/limits.h"
 #include "server/host/access.h"
+#include "server/host/readiness.h"
 #include "server/runtime/clock.h"
 
 namespace arap::host {
@@ -22,6 +23,9 @@ struct HostOptions {
   AccessOptions access;
   // Unless said: when only this machine reaches the server.
   std::optional<bool> reflection;
+  std::string admin;  // host:port of the admin page (admin_http.h); empty: none
+  // How long a lane or the store may stand still before the server is not ready.
+  std::chrono::milliseconds stuck_after = std::chrono::seconds(10);
   std::shared_ptr<const runtime::Clock> clock;  // null: the system's
   store::StoreOptions store;                    // memory unless told
 };
@@ -40,14 +44,26 @@ class Host {
   // The listen addresses in the order of the options, with the ports that were bound.
   const std::vector<std::string>& addresses() const { return addresses_; }
 
+  // Of the admin page, with the port that was bound; empty when there is none.
+  std::string admin_address() const;
+
   // What the services work on.
   app::Engine& engine();
   // Who may use them.
   Access& access();
+  // What /readyz answers.
+  const Readiness& readiness() const;
 
-  // Says NOT_SERVING, ends streams and tracks with DRAINING after the frame in work, refuses new
-  // calls, waits at most `grace` for the running ones, cancels the rest. Returns when nothing runs
-  // any more. Harmless when repeated.
+  // Asks the store and the lanes, and tells grpc.health. Happens by itself every second.
+  void RefreshHealth();
+
+  // Not ready and NOT_SERVING from now on, while everything goes on working: load balancers look
+  // for another server before this one refuses anything. Harmless when repeated.
+  void Drain();
+
+  // Drains, ends streams and tracks with DRAINING after the frame in work, refuses new calls, waits
+  // at most `grace` for the running ones, cancels the rest. Returns when nothing runs any more. The
+  // admin page is served until then. Harmless when repeated.
   void Stop(std::chrono::milliseconds grace);
 
  private:

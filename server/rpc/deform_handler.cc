@@ -6,6 +6,7 @@
 #include "server/rpc/convert_handles.h"
 #include "server/rpc/convert_shape.h"
 #include "server/rpc/handlers.h"
+#include "server/runtime/metrics.h"
 #include "server/runtime/stopwatch.h"
 
 namespace arap::rpc {
@@ -34,6 +35,7 @@ Status Deform(app::Engine& engine, const v1::DeformRequest& request, const Call&
   shape.set_handle_set_revision(entry->revision);
   shape.set_queue_micros(call.queue_micros);
   shape.set_solve_micros(working.Micros());
+  engine.metrics.Phase(runtime::Phase::kFrame, shape.solve_micros() * 1e-6);
   return {};
 }
 

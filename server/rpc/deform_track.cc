@@ -25,6 +25,7 @@
 #include "server/rpc/convert_shape.h"
 #include "server/rpc/rpc_log.h"
 #include "server/rpc/status_map.h"
+#include "server/runtime/metrics.h"
 #include "server/runtime/stopwatch.h"
 
 namespace arap::rpc {
@@ -45,7 +46,7 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
         caller_(std::move(caller)),
         cancel_(CancelTokenOf(context)),
         request_(request),
-        log_("DeformTrack", request.session_id(), false) {}
+        log_("DeformTrack", request.session_id(), false, &engine.metrics) {}
 
   // `admitted`: what CallerOf says. Nothing is delivered, and OnDone not called, before the RPC's
   // method has returned.
@@ -223,6 +224,7 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
       shape.set_handle_set_revision(revision_);
       shape.set_queue_micros(queue_micros);
       shape.set_solve_micros(working.Micros() / static_cast<double>(count));
+      engine_.metrics.Phase(runtime::Phase::kTrack, shape.solve_micros() * 1e-6);
     }
     return responses;
   }
@@ -259,7 +261,7 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
   bool cancelled_ = false;
   bool finished_ = false;
   Status end_status_;
-  const RpcLog log_;
+  RpcLog log_;
 };
 
 }  // namespace

@@ -7,9 +7,22 @@
 #include "server/rpc/convert_mesh.h"
 #include "server/rpc/convert_session.h"
 #include "server/rpc/handlers.h"
+#include "server/runtime/metrics.h"
 #include "server/runtime/stopwatch.h"
 
 namespace arap::rpc {
+namespace {
+
+void Measure(const FlattenTimes& times, double micros, runtime::Metrics& metrics) {
+  using runtime::Phase;
+  metrics.Phase(Phase::kFlatten, micros * 1e-6);
+  metrics.Phase(Phase::kFlattenTopology, times.topology * 1e-3);
+  metrics.Phase(Phase::kFlattenOrder, times.order * 1e-3);
+  metrics.Phase(Phase::kFlattenFactor, times.factor * 1e-3);
+  metrics.Phase(Phase::kFlattenSolve, times.solve * 1e-3);
+}
+
+}  // namespace
 
 Status Flatten(app::Engine& engine, const v1::FlattenRequest& request, const Call& call,
                v1::FlattenResponse* response) {
@@ -25,6 +38,7 @@ Status Flatten(app::Engine& engine, const v1::FlattenRequest& request, const Cal
   auto answer = app::FlattenSurface(engine.surfaces, call.caller.owner, request.surface_key(),
                                     *std::move(mesh), *options, call.cancel);
   if (!answer) return Fail(SpelledForFlatten(std::move(answer.error())));
+  Measure(answer->flat.times, working.Micros(), engine.metrics);
   if (auto good = ToWire(answer->flat, request, response); !good) return good;
   response->set_surface_cached(answer->cached);
   SetMicros(call.queue_micros, response->mutable_queue_time());

@@ -6,6 +6,7 @@
 #include "server/rpc/convert_handles.h"
 #include "server/rpc/convert_session.h"
 #include "server/rpc/handlers.h"
+#include "server/runtime/metrics.h"
 #include "server/runtime/stopwatch.h"
 
 namespace arap::rpc {
@@ -30,6 +31,7 @@ Status CompileHandles(app::Engine& engine, const v1::CompileHandlesRequest& requ
   auto entry = app::CompileHandles(engine, call.caller, request.session_id(), request.mesh_id(),
                                    request.handle_set_id(), *handles, call.cancel);
   if (!entry) return Fail(std::move(entry.error()));
+  engine.metrics.Phase(runtime::Phase::kCompile, working.Micros() * 1e-6);
   Answer(*entry, call, working, response);
   return {};
 }
@@ -43,6 +45,7 @@ Status EditHandles(app::Engine& engine, const v1::EditHandlesRequest& request, c
       app::EditHandles(engine, call.caller, request.session_id(), request.handle_set_id(),
                        {request.remove().begin(), request.remove().end()}, *add, call.cancel);
   if (!entry) return Fail(std::move(entry.error()));
+  engine.metrics.Phase(runtime::Phase::kEdit, working.Micros() * 1e-6);
   Answer(*entry, call, working, response);
   return {};
 }

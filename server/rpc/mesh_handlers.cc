@@ -6,6 +6,7 @@
 #include "server/rpc/convert_mesh.h"
 #include "server/rpc/convert_session.h"
 #include "server/rpc/handlers.h"
+#include "server/runtime/metrics.h"
 #include "server/runtime/stopwatch.h"
 
 namespace arap::rpc {
@@ -20,6 +21,9 @@ Status RegisterMesh(app::Engine& engine, const v1::RegisterMeshRequest& request,
   auto registration = app::RegisterMesh(engine, call.caller, request.session_id(),
                                         request.mesh_id(), *std::move(mesh), *options, call.cancel);
   if (!registration) return Fail(std::move(registration.error()));
+  if (!registration->shared) {
+    engine.metrics.Phase(runtime::Phase::kRegister, working.Micros() * 1e-6);
+  }
   ToWire(registration->entry, response->mutable_mesh());
   response->set_shared(registration->shared);
   SetMicros(call.queue_micros, response->mutable_queue_time());

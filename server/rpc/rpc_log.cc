@@ -1,9 +1,12 @@
 #include "server/rpc/rpc_log.h"
 
+#include <memory>
+
 #include <spdlog/spdlog.h>
 
 #include "server/app/names.h"
 #include "server/rpc/status_map.h"
+#include "server/runtime/metrics.h"
 
 namespace arap::rpc {
 namespace {
@@ -14,22 +17,40 @@ std::string Printable(const std::string& id) {
   return app::IsName(id) ? id : "?";
 }
 
+void CountRefusal(const Fault& fault, runtime::Metrics& metrics) {
+  if (fault.kind == FaultKind::kOverloaded) metrics.Rejected("queue");
+  for (const auto& [name, value] : fault.details) {
+    if (name == "quota") metrics.Rejected(value);
+  }
+}
+
 }  // namespace
 
-RpcLog::RpcLog(const char* method, const std::string& session_id, bool noisy)
-    : method_(method), session_id_(Printable(session_id)), noisy_(noisy) {}
+RpcLog::RpcLog(const char* method, const std::string& session_id, bool noisy,
+               runtime::Metrics* metrics)
+    : method_(method), session_id_(Printable(session_id)), noisy_(noisy), metrics_(metrics) {}
+
+void RpcLog::Owner(const std::string& owner) { owner_ = Printable(owner); }
 
 void RpcLog::Opened(const std::string& session_id) {
   session_id_ = Printable(session_id);
-  spdlog::info("rpc={} session={} event=open", method_, session_id_);
+  spdlog::info("rpc={} owner={} session={} event=open", method_, owner_, session_id_);
 }
 
 void RpcLog::End(const Status& status, const std::string& extra) const {
   const char* code = status ? "OK" : CodeName(status.error().kind);
+  const double seconds = time_.Micros() / 1e6;
+  if (metrics_ != nullptr) {
+    metrics_->Rpc(method_, code, seconds);
+    if (!status) CountRefusal(status.error(), *metrics_);
+  }
+  const std::shared_ptr<spdlog::logger> access = spdlog::get(kAccessLog);
+  const std::shared_ptr<spdlog::logger> log = access ? access : spdlog::default_logger();
+  const auto level = noisy_ && !access ? spdlog::level::debug : spdlog::level::info;
+  if (!log->should_log(level)) return;
   const std::string reason = status ? "" : std::string(" reason=") + ReasonOf(status.error().kind);
-  spdlog::log(noisy_ ? spdlog::level::debug : spdlog::level::info,
-              "rpc={} session={} code={} ms={:.3f}{}{}", method_, session_id_, code,
-              time_.Micros() / 1e3, reason, extra);
+  log->log(level, "rpc={} owner={} session={} code={} ms={:.3f}{}{}", method_, owner_, session_id_,
+           code, seconds * 1e3, reason, extra);
 }
 
 }  // namespace arap::rpc

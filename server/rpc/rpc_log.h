@@ -1,4 +1,7 @@
-// RpcLog: one line of key=value per RPC when it ends.
+// RpcLog: one line of key=value per RPC when it ends, and its count and time in the metrics.
+//
+// With a logger of the name kAccessLog, every RPC has a line there. Without, the lines go into the
+// default log, those of noisy methods at debug. Only names enter: no token, no target, no mesh.
 #pragma once
 
 #include <string>
@@ -6,14 +9,25 @@
 #include "core/base/result.h"
 #include "server/runtime/stopwatch.h"
 
+namespace arap::runtime {
+class Metrics;
+}
+
 namespace arap::rpc {
+
+inline constexpr const char* kAccessLog = "access";
 
 class RpcLog {
  public:
-  // A noisy method is logged at debug, the others at info.
-  RpcLog(const char* method, const std::string& session_id, bool noisy);
+  // `metrics` may be null; it outlives this.
+  RpcLog(const char* method, const std::string& session_id, bool noisy,
+         runtime::Metrics* metrics = nullptr);
 
-  // rpc=Deform session=abc code=OK ms=0.91, with reason= and extra (" key=value…") appended.
+  // Who is calling, once that is known.
+  void Owner(const std::string& owner);
+
+  // rpc=Deform owner=alice session=abc code=OK ms=0.91, with reason= and extra (" key=value…")
+  // appended. Counts the RPC, and the quota if one refused it.
   void End(const Status& status, const std::string& extra = {}) const;
 
   // For streams, whose session is known only later: rpc=StreamDeform session=abc event=open.
@@ -22,7 +36,9 @@ class RpcLog {
  private:
   const char* method_;
   std::string session_id_;
+  std::string owner_ = "-";
   bool noisy_;
+  runtime::Metrics* metrics_;
   runtime::Stopwatch time_;
 };
 

@@ -92,7 +92,8 @@ template <class Request, class Response>
 grpc::ServerUnaryReactor* Run(const Backend& backend, const Method& method,
                               grpc::CallbackServerContext* context, const Request* request,
                               Response* response, Handler<Request, Response> handler) {
-  UnaryJob job{method.name, SessionIdOf(*request), method.noisy, nullptr, method.gate, {}, {}, {}};
+  UnaryJob job{method.name, SessionIdOf(*request),  method.noisy, nullptr, method.gate, {}, {},
+               {},          &backend.engine.metrics};
   auto caller = CallerOf(*context, backend.identity);
   // To those who are refused elsewhere, an open method answers as to nobody.
   if (!caller && method.open_to_all) {

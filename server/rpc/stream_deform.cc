@@ -18,7 +18,9 @@ StreamDeformReactor::StreamDeformReactor(app::Engine& engine, grpc::CallbackServ
       caller_(std::move(caller)),
       heard_(engine.clock.SteadyNow()),
       rate_(engine.limits.max_stream_fps, heard_),
-      log_("StreamDeform", "", false) {}
+      log_("StreamDeform", "", false, &engine.metrics) {
+  log_.Owner(caller_.owner);
+}
 
 // Nothing is delivered, and OnDone not called, before the RPC's method has returned.
 void StreamDeformReactor::Start(const Identity& identity, const Status& admitted) {
@@ -128,6 +130,7 @@ bool StreamDeformReactor::Write() {
   if (outgoing_.has_shape()) {
     ++shapes_;
     total_replaced_ += outgoing_.shape().replaced();
+    engine_.metrics.Coalesced(outgoing_.shape().replaced());
   }
   if (outgoing_.has_error()) ++errors_;
   writing_ = true;

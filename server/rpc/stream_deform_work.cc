@@ -230,7 +230,10 @@ void StreamDeformReactor::RunUpdate() {
       quality ? Fill(live_->deformer(), *quality, job_update_.sequence, live_->entry().revision,
                      working, queue_micros, message.mutable_shape())
               : Status(Fail(std::move(quality.error())));
-  if (made) PicksToWire(live_->deformer(), job_update_.picks, message.mutable_shape());
+  if (made) {
+    engine_.metrics.Phase(runtime::Phase::kFrame, message.shape().solve_micros() * 1e-6);
+    PicksToWire(live_->deformer(), job_update_.picks, message.mutable_shape());
+  }
 
   const std::lock_guard lock(mutex_);
   if (made) {
@@ -257,6 +260,7 @@ void StreamDeformReactor::RunEdit() {
       edited ? Fill(edited->deformer(), quality, job_edit_.sequence(), edited->entry().revision,
                     working, queue_micros, message.mutable_shape())
              : Status(Fail(std::move(edited.error())));
+  if (made) engine_.metrics.Phase(runtime::Phase::kEdit, message.shape().solve_micros() * 1e-6);
 
   const std::lock_guard lock(mutex_);
   if (made) {

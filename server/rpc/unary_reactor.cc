@@ -19,7 +19,7 @@ namespace {
 class UnaryReactor final : public grpc::ServerUnaryReactor {
  public:
   UnaryReactor(grpc::CallbackServerContext* context, UnaryJob job)
-      : job_(std::move(job)), log_(job_.method, job_.session_id, job_.noisy) {
+      : job_(std::move(job)), log_(job_.method, job_.session_id, job_.noisy, job_.metrics) {
     call_.cancel = CancelTokenOf(context);
     call_.session = std::move(job_.session);
   }
@@ -27,6 +27,7 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
   void Start(const Result<app::Caller>& caller) {
     if (!caller) return End(Fail(caller.error()));
     call_.caller = *caller;
+    log_.Owner(caller->owner);
     if (job_.gate != nullptr) {
       auto pass = job_.gate->Enter();
       if (!pass) return End(Fail(std::move(pass.error())));
@@ -68,7 +69,7 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
   UnaryJob job_;
   Call call_;
   app::Gate::Pass pass_;
-  const RpcLog log_;
+  RpcLog log_;
   const runtime::Stopwatch waiting_;
 };
 

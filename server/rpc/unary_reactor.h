@@ -14,8 +14,9 @@ class CallbackServerContext;
 class ServerUnaryReactor;
 }  // namespace grpc
 namespace arap::runtime {
+class Metrics;
 class WorkerPool;
-}
+}  // namespace arap::runtime
 
 namespace arap::rpc {
 
@@ -30,6 +31,7 @@ struct UnaryJob {
   // the call. Empty: the work is done where it begins.
   std::function<Result<runtime::WorkerPool*>(Call&)> route;
   std::function<Status(const Call&)> work;  // fills the response
+  runtime::Metrics* metrics = nullptr;      // counts the call
 };
 
 // Runs the job for `caller`, what CallerOf says, and finishes the call with its status. A caller

@@ -211,6 +211,15 @@ void Metrics::Store(std::string_view operation, double seconds, bool ok) {
   if (!ok) failures.Increment();
 }
 
+void Metrics::ServeCache(std::string_view cache) {
+  for (Series<Counter>* series :
+       {&impl_->cache_hits, &impl_->cache_misses, &impl_->evictions, &impl_->evicted_bytes}) {
+    series->Of(cache);
+  }
+}
+
+void Metrics::ServeQuota(std::string_view quota) { impl_->rejected.Of(quota); }
+
 void Metrics::CacheHit(std::string_view cache) { impl_->cache_hits.Of(cache).Increment(); }
 
 void Metrics::CacheMiss(std::string_view cache) { impl_->cache_misses.Of(cache).Increment(); }

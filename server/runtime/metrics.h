@@ -53,6 +53,10 @@ class Metrics {
   // The store answered: Store("put_spec", 0.002, true).
   void Store(std::string_view operation, double seconds, bool ok);
 
+  // Serves the counts of a cache, or of a quota, from now on, also while they are 0.
+  void ServeCache(std::string_view cache);
+  void ServeQuota(std::string_view quota);
+
   // A cache ("meshes", "surfaces", …) had what was asked for, had not, has let something go.
   void CacheHit(std::string_view cache);
   void CacheMiss(std::string_view cache);

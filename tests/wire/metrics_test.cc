@@ -57,6 +57,17 @@ TEST(MetricsTest, CountsEverythingElse) {
   }
 }
 
+TEST(MetricsTest, ServesNoughtWhereAsked) {
+  Metrics metrics;
+  EXPECT_THAT(metrics.Text(), Not(HasSubstr("cache=")));
+  metrics.ServeCache("meshes");
+  metrics.ServeQuota("queue");
+  const std::string text = metrics.Text();
+  EXPECT_THAT(text, HasSubstr("arapd_cache_hits_total{cache=\"meshes\"} 0\n"));
+  EXPECT_THAT(text, HasSubstr("arapd_evicted_bytes_total{cache=\"meshes\"} 0\n"));
+  EXPECT_THAT(text, HasSubstr("arapd_rejected_total{quota=\"queue\"} 0\n"));
+}
+
 TEST(MetricsTest, ReadsWhatIsWatchedWhenAsked) {
   Metrics metrics;
   double sessions = 1;

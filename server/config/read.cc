@@ -1,0 +1,164 @@
+// Reading: the command line is parsed once to see which flags it has; what the environment says of
+// the others is added to it, and the file fills in the rest. (By itself CLI11 lets the file win
+// over the environment.)
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <memory>
+#include <set>
+#include <sstream>
+#include <thread>
+#include <utility>
+
+#include "server/config/config.h"
+#include "server/config/flags.h"
+
+namespace arap::config {
+namespace {
+
+constexpr const char* kPrefix = "ARAPD_";
+constexpr const char* kConfigFlag = "--config";
+
+// A parser with its own copy of what it fills.
+struct Parser {
+  Config config;
+  CLI::App app{"As-rigid-as-possible deformation and flattening as a service.", "arapd"};
+
+  Parser() {
+    const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
+    config.host.lanes.workers = cores;
+    config.host.lanes.job_workers = std::max<std::size_t>(1, cores / 2);
+    config.host.admin = "127.0.0.1:0";
+    AddFlags(app, config);
+    app.set_config(kConfigFlag, "", "Read flags from this file, TOML or INI");
+    app.allow_config_extras(CLI::config_extras_mode::error);
+  }
+};
+
+std::string NameOf(const CLI::Option& option) { return option.get_lnames().front(); }
+
+// --max-sessions → ARAPD_MAX_SESSIONS.
+std::string VariableOf(const CLI::Option& option) {
+  std::string variable = kPrefix;
+  for (const char c : NameOf(option)) {
+    variable += c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  }
+  return variable;
+}
+
+// What may stand in the environment: no help, no version, no --check-config.
+bool IsSetting(const CLI::Option& option) {
+  if (option.get_lnames().empty()) return false;
+  return option.get_configurable() || NameOf(option) == "config";
+}
+
+std::map<std::string, std::string> OurVariables(const std::vector<std::string>& environment) {
+  std::map<std::string, std::string> ours;
+  for (const std::string& entry : environment) {
+    const std::size_t equals = entry.find('=');
+    if (entry.starts_with(kPrefix) && equals != std::string::npos) {
+      ours.emplace(entry.substr(0, equals), entry.substr(equals + 1));
+    }
+  }
+  return ours;
+}
+
+// "--listen=a", "--listen=b" for "a,b".
+void AddArguments(const CLI::Option& option, const std::string& value,
+                  std::vector<std::string>& arguments) {
+  const std::string flag = "--" + NameOf(option) + "=";
+  if (option.get_expected_max() <= 1) {
+    arguments.push_back(flag + value);
+    return;
+  }
+  std::istringstream parts(value);
+  for (std::string part; std::getline(parts, part, ',');) arguments.push_back(flag + part);
+}
+
+// CLI11 takes the arguments from the back.
+void Parse(CLI::App& app, std::vector<std::string> arguments) {
+  std::reverse(arguments.begin(), arguments.end());
+  app.parse(std::move(arguments));
+}
+
+std::string ValueOf(const CLI::Option& option) {
+  if (option.count() == 0) {
+    const std::string text = option.get_default_str();
+    return text.empty() && option.get_expected_max() == 0 ? "false" : text;
+  }
+  std::string joined;
+  for (const std::string& part : option.results()) joined += (joined.empty() ? "" : ",") + part;
+  return joined;
+}
+
+Result<Outcome> Said(const CLI::App& app, const CLI::ParseError& error) {
+  std::ostringstream out, err;
+  if (app.exit(error, out, err) == 0) {
+    Outcome outcome;
+    outcome.done = true;
+    outcome.text = out.str();
+    return outcome;
+  }
+  return Fail(FaultKind::kInvalidOption, error.what());
+}
+
+}  // namespace
+
+Result<Outcome> Read(const std::vector<std::string>& arguments,
+                     const std::vector<std::string>& environment) {
+  const auto variables = OurVariables(environment);
+  std::vector<std::string> complete = arguments;
+  std::set<std::string> flags, from_environment, known;
+  {
+    Parser line;
+    // The file is for the second parse: here only what the command line says counts.
+    line.app.set_config();
+    line.app.add_option(kConfigFlag);
+    try {
+      Parse(line.app, arguments);
+    } catch (const CLI::ParseError& error) {
+      return Said(line.app, error);
+    }
+    for (const CLI::Option* option : line.app.get_options()) {
+      if (!IsSetting(*option)) continue;
+      known.insert(VariableOf(*option));
+      if (option->count() > 0) {
+        flags.insert(NameOf(*option));
+      } else if (const auto found = variables.find(VariableOf(*option));
+                 found != variables.end() && !found->second.empty()) {
+        from_environment.insert(NameOf(*option));
+        AddArguments(*option, found->second, complete);
+      }
+    }
+  }
+  Parser parser;
+  try {
+    Parse(parser.app, complete);
+  } catch (const CLI::ParseError& error) {
+    return Said(parser.app, error);
+  }
+  Outcome outcome;
+  for (const CLI::Option* option : parser.app.get_options()) {
+    if (!IsSetting(*option)) continue;
+    const std::string name = NameOf(*option);
+    const char* source = option->count() > 0 ? "file" : "default";
+    if (flags.count(name) > 0) source = "flag";
+    if (from_environment.count(name) > 0) source = "environment";
+    outcome.settings.push_back({name, Redacted(ValueOf(*option)), source});
+  }
+  for (const auto& [variable, value] : variables) {
+    if (known.count(variable) == 0) outcome.unknown.push_back(variable);
+  }
+  Config& config = parser.config;
+  config.host.stuck_after = Milliseconds(config.stuck_seconds);
+  config.host.limits.max_ttl = Milliseconds(config.max_ttl_seconds);
+  config.host.limits.default_ttl =
+      std::min(Milliseconds(config.default_ttl_seconds), config.host.limits.max_ttl);
+  config.host.limits.max_stream_idle = Milliseconds(config.max_stream_idle_seconds);
+  config.host.limits.idle_evict = Milliseconds(config.idle_evict_seconds);
+  if (config.no_admin) config.host.admin.clear();
+  outcome.config = config;
+  return outcome;
+}
+
+}  // namespace arap::config

@@ -1,0 +1,74 @@
+// Readiness: whether new work should come to this server, and why not.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "server/runtime/clock.h"
+#include "server/runtime/worker_pool.h"
+
+namespace arap::host {
+
+struct Verdict {
+  enum class State {
+    kReady,
+    kDraining,  // goes away: send no new sessions, let the streams be
+    kStuck,     // a lane does not get on
+    kStore,     // the store fails or does not answer
+  };
+  State state = State::kReady;
+  std::string why;  // a sentence without secrets; empty when ready
+
+  bool ready() const { return state == State::kReady; }
+};
+
+// "ready", "draining", "stuck", "store".
+const char* StateName(Verdict::State state);
+
+// Thread-safe.
+class Readiness {
+ public:
+  using LaneStats = std::function<runtime::PoolStats()>;
+
+  // `stuck_after` is the patience with lanes and store. `clock` outlives this.
+  Readiness(std::chrono::milliseconds stuck_after, const runtime::Clock& clock)
+      : stuck_after_(stuck_after), clock_(clock) {}
+
+  // Before the first Check. A lane is stuck when one of its jobs runs for longer than the patience,
+  // or one waits for that long while none has ended. Not for lanes whose jobs may be long.
+  void WatchLane(std::string name, LaneStats stats);
+  // Before the first Probe. `probe` may block: only Probe calls it.
+  void WatchStore(std::function<Status()> probe) { probe_ = std::move(probe); }
+
+  // Asks the store and keeps the answer. To be called every second or so, from one thread.
+  void Probe();
+
+  // From now on draining, whatever else.
+  void Drain();
+
+  // Never blocks. A probe that runs for longer than the patience counts as failed.
+  Verdict Check() const;
+
+ private:
+  struct Lane {
+    std::string name;
+    LaneStats stats;
+  };
+
+  const std::chrono::milliseconds stuck_after_;
+  const runtime::Clock& clock_;
+  std::vector<Lane> lanes_;
+  std::function<Status()> probe_;
+  mutable std::mutex mutex_;
+  // Guarded by mutex_.
+  bool draining_ = false;
+  std::optional<runtime::Clock::Steady> probing_since_;
+  std::string store_fault_;  // empty: the last probe was good
+};
+
+}  // namespace arap::host
