@@ -16,6 +16,7 @@
 #include "server/app/version.h"
 #include "server/config/config.h"
 #include "server/config/logs.h"
+#include "server/config/state_dir.h"
 #include "server/host/host.h"
 
 namespace {
@@ -111,6 +112,9 @@ int Serve(const arap::config::Outcome& outcome, const sigset_t& signals) {
   const Config& config = outcome.config;
   if (const arap::Status ready = SetUpLogs(config.log); !ready) return Complain(ready.error(), 1);
   LogConfig(outcome);
+  if (auto made = arap::config::MakeParents(config.host.store.store); !made) {
+    return Complain(made.error(), 1);
+  }
   auto host = arap::host::Host::Start(config.host);
   if (!host) {
     spdlog::error("event=start_failed message=\"{}\"", host.error().message);

@@ -76,8 +76,10 @@ Status SpawnedServer::Launch() {
   std::string program = FindServer();
   std::string listen = "unix:" + directory_ + "/arapd.sock";
   std::string listen_flag = "--listen", level_flag = "--log-level", level = "warn";
-  const std::array<char*, 6> arguments{program.data(),    listen_flag.data(), listen.data(),
-                                       level_flag.data(), level.data(),       nullptr};
+  std::string store_flag = "--store", store = "memory", no_admin_flag = "--no-admin";
+  const std::array<char*, 9> arguments{program.data(),    listen_flag.data(),   listen.data(),
+                                       level_flag.data(), level.data(),         store_flag.data(),
+                                       store.data(),      no_admin_flag.data(), nullptr};
   std::array<int, 2> pipe_ends{};
   if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) return SystemFault("cannot make a pipe");
   output_ = pipe_ends[0];

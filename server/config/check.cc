@@ -35,7 +35,11 @@ Status CheckWritable(const char* flag, const std::string& path, bool folder_want
     if (access(path.c_str(), W_OK) == 0) return {};
     return Fail(Bad(flag, fmt::format("--{}: {} cannot be written.", flag, path)));
   }
-  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  // The parents of a folder are made with it.
+  while (folder_wanted && !std::filesystem::exists(folder, error)) {
+    folder = folder.has_parent_path() ? folder.parent_path() : ".";
+  }
   if (access(folder.c_str(), W_OK | X_OK) == 0) return {};
   return Fail(Bad(flag, fmt::format("--{}: the folder of {} does not exist or cannot be written.",
                                     flag, path)));

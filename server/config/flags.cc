@@ -95,7 +95,8 @@ void AddAccess(CLI::App& app, host::AccessOptions& access) {
 void AddStore(CLI::App& app, store::StoreOptions& store) {
   constexpr const char* kGroup = "Where sessions are kept";
   app.add_option("--store", store.store,
-                 "memory, sqlite:DIR, or redis://[:PASSWORD@]HOST[:PORT][/DB]")
+                 "memory, sqlite:DIR, or redis://[:PASSWORD@]HOST[:PORT][/DB]; by default the "
+                 "state directory of the user")
       ->capture_default_str()
       ->group(kGroup);
   app.add_option("--blob-dir", store.blob_dir,

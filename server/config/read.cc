@@ -12,6 +12,7 @@
 
 #include "server/config/config.h"
 #include "server/config/flags.h"
+#include "server/config/state_dir.h"
 
 namespace arap::config {
 namespace {
@@ -24,7 +25,8 @@ struct Parser {
   Config config;
   CLI::App app{"As-rigid-as-possible deformation and flattening as a service.", "arapd"};
 
-  Parser() {
+  explicit Parser(const std::vector<std::string>& environment) {
+    config.host.store.store = "sqlite:" + StateDirectory(environment);
     const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
     config.host.lanes.workers = cores;
     config.host.lanes.job_workers = std::max<std::size_t>(1, cores / 2);
@@ -110,7 +112,7 @@ Result<Outcome> Read(const std::vector<std::string>& arguments,
   std::vector<std::string> complete = arguments;
   std::set<std::string> flags, from_environment, known;
   {
-    Parser line;
+    Parser line(environment);
     // The file is for the second parse: here only what the command line says counts.
     line.app.set_config();
     line.app.add_option(kConfigFlag);
@@ -131,7 +133,7 @@ Result<Outcome> Read(const std::vector<std::string>& arguments,
       }
     }
   }
-  Parser parser;
+  Parser parser(environment);
   try {
     Parse(parser.app, complete);
   } catch (const CLI::ParseError& error) {

@@ -45,6 +45,11 @@ void Configure(const HostOptions& options, grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
 }
 
+void LogRecovery(const store::Recovery& recovery) {
+  spdlog::error("event=store_recovered saved={} lost={} complete={} damaged_database=\"{}\"",
+                recovery.saved, recovery.lost, recovery.complete, recovery.kept_as);
+}
+
 // Both are switches of the whole process, read when a server is built: one server is built at a
 // time.
 std::unique_ptr<grpc::Server> Build(grpc::ServerBuilder& builder) {
@@ -127,6 +132,22 @@ class Host::Impl {
     health_ticker_ = std::make_unique<runtime::Ticker>(kHealthPeriod, [this] { RefreshHealth(); });
   }
 
+  void StartSweeping(std::chrono::milliseconds period) {
+    sweeping_ = period.count() > 0;
+    sweep_ticker_ = std::make_unique<runtime::Ticker>(period, [this] { Sweep(); });
+  }
+
+  // Says when it begins to fail and when it works again, not every second.
+  void Sweep() {
+    const Status swept = engine_.Sweep();
+    if (swept && sweep_failed_) spdlog::info("event=sweeping_again");
+    if (!swept && !sweep_failed_) {
+      spdlog::warn("event=sweep_failed reason={} message=\"{}\"", FaultName(swept.error().kind),
+                   swept.error().message);
+    }
+    sweep_failed_ = !swept;
+  }
+
   void RefreshHealth() {
     readiness_.Probe();
     const Verdict verdict = readiness_.Check();
@@ -148,7 +169,9 @@ class Host::Impl {
 
   void Stop(std::chrono::milliseconds grace) {
     Drain();
-    if (health_ticker_) health_ticker_->Stop();
+    for (runtime::Ticker* ticker : {health_ticker_.get(), sweep_ticker_.get()}) {
+      if (ticker != nullptr) ticker->Stop();
+    }
     if (server_) {
       engine_.streams.Drain();
       server_->Shutdown(std::chrono::system_clock::now() + grace);
@@ -162,6 +185,8 @@ class Host::Impl {
     for (runtime::WorkerPool* lane : {&engine_.control, &engine_.interactive, &engine_.jobs}) {
       lane->Stop();
     }
+    // Lives that have become longer since the last sweep.
+    if (std::exchange(sweeping_, false)) Sweep();
     admin_.reset();
   }
 
@@ -197,6 +222,9 @@ class Host::Impl {
   std::mutex health_mutex_;  // what is said to grpc.health follows the order of what is found
   Verdict::State said_ = Verdict::State::kReady;  // guarded by health_mutex_
   std::unique_ptr<runtime::Ticker> health_ticker_;
+  bool sweep_failed_ = false;  // of the thread that sweeps
+  bool sweeping_ = false;
+  std::unique_ptr<runtime::Ticker> sweep_ticker_;
 };
 
 Result<std::unique_ptr<Host>> Host::Start(HostOptions options) {
@@ -204,14 +232,17 @@ Result<std::unique_ptr<Host>> Host::Start(HostOptions options) {
   if (!clock) clock = std::make_shared<runtime::SystemClock>();
   auto access = Access::Open(options.access, options.listen, options.limits.owner, clock);
   if (!access) return Fail(std::move(access.error()));
+  options.store.on_recovery = LogRecovery;
   auto stores = store::OpenStores(options.store);
   if (!stores) return Fail(std::move(stores.error()));
+  if (stores->recovery) LogRecovery(*stores->recovery);
   auto impl =
       std::make_unique<Impl>(options, std::move(clock), *std::move(access), *std::move(stores));
   auto addresses = impl->Serve(options);
   if (!addresses) return Fail(std::move(addresses.error()));
   if (auto admin = impl->ServeAdmin(options.admin); !admin) return Fail(std::move(admin.error()));
   impl->StartHealth();
+  impl->StartSweeping(options.sweep);
   return std::unique_ptr<Host>(new Host(std::move(impl), *std::move(addresses)));
 }
 

@@ -26,6 +26,8 @@ struct HostOptions {
   std::string admin;  // host:port of the admin page (admin_http.h); empty: none
   // How long a lane or the store may stand still before the server is not ready.
   std::chrono::milliseconds stuck_after = std::chrono::seconds(10);
+  // How often sessions expire and what is idle is evicted; 0: never by itself.
+  std::chrono::milliseconds sweep = std::chrono::seconds(1);
   std::shared_ptr<const runtime::Clock> clock;  // null: the system's
   store::StoreOptions store;                    // memory unless told
 };

@@ -107,6 +107,17 @@ TEST_F(ConfigTest, SecondsAndLimitsReachTheirPlaces) {
   EXPECT_EQ(read->config.host.limits.max_stream_idle, std::chrono::seconds(7));
 }
 
+TEST_F(ConfigTest, SessionsAreKeptInTheStateDirectory) {
+  const auto store = [](const std::vector<std::string>& environment) {
+    return config::Read({}, environment)->config.host.store.store;
+  };
+  EXPECT_EQ(store({"HOME=/h", "XDG_STATE_HOME=/x", "STATE_DIRECTORY=/s:/t"}), "sqlite:/s");
+  EXPECT_EQ(store({"HOME=/h", "XDG_STATE_HOME=/x"}), "sqlite:/x/arapd");
+  EXPECT_EQ(store({"HOME=/h"}), "sqlite:/h/.local/state/arapd");
+  EXPECT_EQ(store({}), "sqlite:/var/lib/arapd");
+  EXPECT_EQ(store({"HOME=/h", "ARAPD_STORE=memory"}), "memory");
+}
+
 TEST_F(ConfigTest, PasswordsAreNotShown) {
   const auto read = config::Read({"--store", "redis://:w0rd@host:1"}, {});
   ASSERT_TRUE(read) << read.error().message;

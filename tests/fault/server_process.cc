@@ -1,5 +1,6 @@
 #include "tests/fault/server_process.h"
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 #include <utility>
@@ -25,6 +26,10 @@ ServerProcess::ServerProcess(std::vector<std::string> flags, std::string listen)
 std::vector<std::string> ServerProcess::Words() const {
   std::vector<std::string> words{ARAPD, "--listen", InFolder(listen_, folder_.path()),
                                  "--log-level", "info"};
+  // Not in the state directory of whoever runs the tests.
+  if (std::find(flags_.begin(), flags_.end(), "--store") == flags_.end()) {
+    words.insert(words.end(), {"--store", "memory"});
+  }
   for (const std::string& flag : flags_) words.push_back(InFolder(flag, folder_.path()));
   return words;
 }

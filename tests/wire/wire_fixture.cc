@@ -128,6 +128,7 @@ WireTest::WireTest() {
   spdlog::set_level(spdlog::level::off);
   options_.listen = {"127.0.0.1:0"};
   options_.clock = clock_;
+  options_.sweep = {};  // tests sweep by hand
 }
 
 void WireTest::Start() {
