@@ -64,7 +64,9 @@ class FloodTest : public ::testing::Test {
     for (const auto& herd : herds) EXPECT_TRUE(herd->End());
   }
 
-  ServerProcess server_{{"--max-streams", std::to_string(kMaxStreams)}};
+  // Here the number of streams is the limit that holds.
+  ServerProcess server_{{"--max-streams", std::to_string(kMaxStreams), "--max-stream-load", "0",
+                         "--max-stream-fps", "0"}};
   std::optional<Bystander> bystander_;
 };
 

@@ -37,7 +37,8 @@ class SlowClientTest : public ::testing::Test {
     return most;
   }
 
-  ServerProcess server_;
+  // Streams that do harm are let in.
+  ServerProcess server_{{"--max-stream-load", "0", "--max-stream-fps", "0"}};
 };
 
 TEST_F(SlowClientTest, AStoppedClientDelaysNobodyAndGoesOnLater) {

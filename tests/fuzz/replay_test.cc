@@ -66,7 +66,7 @@ Input Mutated(const Input& input, const Input& other, testing::Random& random) {
   return mutated;
 }
 
-class ReplayTest : public ::testing::TestWithParam<Target> {};
+class ReplayTest : public ::testing::TestWithParam<FuzzTarget> {};
 
 TEST_P(ReplayTest, Corpus) {
   const auto paths = Corpus(GetParam().name);
@@ -90,7 +90,7 @@ TEST_P(ReplayTest, Mutations) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Targets, ReplayTest, ::testing::ValuesIn(kTargets),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& each) { return std::string(each.param.name); });
 
 }  // namespace
 }  // namespace arap::fuzz

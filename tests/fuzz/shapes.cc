@@ -65,7 +65,8 @@ void Damage(Bytes& bytes, std::size_t vertices, std::vector<Triangle>& triangles
         break;
       case 1:
         if (!triangles.empty())
-          triangles.erase(triangles.begin() + bytes.Byte() % triangles.size());
+          triangles.erase(triangles.begin() +
+                          static_cast<std::ptrdiff_t>(bytes.Byte() % triangles.size()));
         break;
       case 2:
         triangles.push_back({anything(), anything(), anything()});

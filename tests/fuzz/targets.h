@@ -26,12 +26,12 @@ void Track(const std::uint8_t* data, std::size_t size);
 void CoreDeform(const std::uint8_t* data, std::size_t size);
 void CoreFlatten(const std::uint8_t* data, std::size_t size);
 
-struct Target {
+struct FuzzTarget {
   const char* name;  // of the corpus too
   void (*run)(const std::uint8_t* data, std::size_t size);
 };
 
-inline constexpr Target kTargets[] = {
+inline constexpr FuzzTarget kTargets[] = {
     {"session", Session},        {"mesh", Mesh},
     {"handles", Handles},        {"deform", Deform},
     {"flatten", Flatten},        {"server", Server},
