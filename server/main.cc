@@ -1,15 +1,17 @@
 // arapd: signals, logs, wiring. The only file of the server that touches the whole process.
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <ctime>
 #include <functional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <fcntl.h>
 #include <grpc/support/log.h>
+#include <poll.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -61,14 +63,40 @@ void LogConfig(const arap::config::Outcome& outcome) {
   }
 }
 
-// Blocked before any thread exists, so that only main takes them.
-sigset_t BlockSignals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+// Signals as bytes in a pipe. Blocking them and waiting would not do: OpenBLAS has threads before
+// main begins, which do not block them, and a signal that comes while main is busy would end the
+// process there. A handler may run on any thread.
+int signal_pipe[2] = {-1, -1};
+
+void PutSignal(int signal) {
+  const int before = errno;
+  const auto byte = static_cast<unsigned char>(signal);
+  // A full pipe has signals enough.
+  [[maybe_unused]] const auto written = write(signal_pipe[1], &byte, 1);
+  errno = before;
+}
+
+bool CatchSignals() {
+  if (pipe2(signal_pipe, O_CLOEXEC | O_NONBLOCK) != 0) return false;
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, PutSignal);
   std::signal(SIGPIPE, SIG_IGN);
-  return signals;
+  return true;
+}
+
+// The next signal; 0 when none comes within `patience`. A negative one waits for ever.
+int NextSignal(std::chrono::milliseconds patience) {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + patience;
+  for (;;) {
+    unsigned char byte = 0;
+    if (read(signal_pipe[0], &byte, 1) == 1) return byte;
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now()).count();
+    if (patience.count() >= 0 && left <= 0) return 0;
+    constexpr long long kLongest = 3'600'000;
+    pollfd wait{signal_pipe[0], POLLIN, 0};
+    poll(&wait, 1,
+         patience.count() < 0 ? -1 : static_cast<int>(std::min<long long>(left, kLongest)));
+  }
 }
 
 // What SIGHUP reads again. A file that cannot be used leaves things as they were.
@@ -88,27 +116,26 @@ void Reload(const std::vector<ReloadHook>& hooks) {
 }
 
 // The first of SIGINT and SIGTERM; SIGHUP reloads meanwhile.
-int AwaitStop(const sigset_t& signals, const std::vector<ReloadHook>& hooks) {
+int AwaitStop(const std::vector<ReloadHook>& hooks) {
   int signal = 0;
-  while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) Reload(hooks);
+  while ((signal = NextSignal(std::chrono::milliseconds(-1))) == SIGHUP) Reload(hooks);
   return signal;
 }
 
 // Lets load balancers look elsewhere. A second signal cuts it short.
-void AwaitDelay(const sigset_t& signals, std::chrono::milliseconds delay,
-                const std::vector<ReloadHook>& hooks) {
+void AwaitDelay(std::chrono::milliseconds delay, const std::vector<ReloadHook>& hooks) {
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + delay;
-  for (auto left = end - Clock::now(); left.count() > 0; left = end - Clock::now()) {
-    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
-    const timespec wait{seconds.count(), std::chrono::nanoseconds(left - seconds).count()};
-    const int signal = sigtimedwait(&signals, nullptr, &wait);
+  for (;;) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
+    if (left.count() <= 0) return;
+    const int signal = NextSignal(left);
     if (signal == SIGHUP) Reload(hooks);
     if (signal == SIGINT || signal == SIGTERM) return;
   }
 }
 
-int Serve(const arap::config::Outcome& outcome, const sigset_t& signals) {
+int Serve(const arap::config::Outcome& outcome) {
   const Config& config = outcome.config;
   if (const arap::Status ready = SetUpLogs(config.log); !ready) return Complain(ready.error(), 1);
   LogConfig(outcome);
@@ -130,11 +157,11 @@ int Serve(const arap::config::Outcome& outcome, const sigset_t& signals) {
                admin.empty() ? "-" : admin);
 
   const std::vector<ReloadHook> hooks = {{"access", [&] { return (*host)->access().Reload(); }}};
-  const int signal = AwaitStop(signals, hooks);
+  const int signal = AwaitStop(hooks);
   (*host)->Drain();
   spdlog::info("event=draining signal={} streams={} delay_s={}", signal,
                (*host)->engine().streams.count(), config.drain_delay_seconds);
-  AwaitDelay(signals, arap::config::Milliseconds(config.drain_delay_seconds), hooks);
+  AwaitDelay(arap::config::Milliseconds(config.drain_delay_seconds), hooks);
   spdlog::info("event=stopping streams={} grace_s={}", (*host)->engine().streams.count(),
                config.drain_seconds);
   (*host)->Stop(arap::config::Milliseconds(config.drain_seconds));
@@ -145,7 +172,10 @@ int Serve(const arap::config::Outcome& outcome, const sigset_t& signals) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const sigset_t signals = BlockSignals();
+  if (!CatchSignals()) {
+    std::perror("arapd");
+    return 1;
+  }
   auto outcome = arap::config::Read({argv + 1, argv + argc}, Environment());
   if (!outcome) return Complain(outcome.error(), kBadConfig);
   if (outcome->done) {
@@ -159,7 +189,7 @@ int main(int argc, char** argv) {
     std::puts("arapd: the configuration is good");
     return 0;
   }
-  const int code = Serve(*outcome, signals);
+  const int code = Serve(*outcome);
   spdlog::shutdown();
   return code;
 }

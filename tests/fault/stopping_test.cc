@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 #include <httplib.h>
 
+// A macro of glibc's resolver, and a name that Eigen uses.
+#undef _res
+
 #include "tests/fault/client.h"
 #include "tests/fault/server_process.h"
 
