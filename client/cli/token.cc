@@ -1,6 +1,8 @@
 // arapctl token: the bearer tokens that a server accepts.
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -117,6 +119,8 @@ void AddToken(CLI::App& app, Run& run) {
            std::string("--") + limit,
            [flags, field](std::uint64_t value) { flags->limits[field] = value; },
            "limit of its owner (default: the server's)")
+        // Reading it as a number without sign would take -1 for a very large one.
+        ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
         ->group("Limits");
   }
 

@@ -44,9 +44,9 @@ Status Tokens::Reload() {
   {
     const std::lock_guard lock(mutex_);
     stamp_ = stamp;
-    if (file) file_ = std::make_shared<const TokenFile>(*std::move(file));
+    if (!file) return Fail(std::move(file.error()));
+    file_ = std::make_shared<const TokenFile>(*std::move(file));
   }
-  if (!file) return Fail(std::move(file.error()));
   TellTheLost();
   return {};
 }
