@@ -3,13 +3,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <httplib.h>
 
 // A macro of glibc's resolver, and a name that Eigen uses.
 #undef _res
 
 #include "tests/fault/client.h"
 #include "tests/fault/server_process.h"
+#include "tests/wire/http_get.h"
 
 namespace arap::fault {
 namespace {
@@ -29,11 +29,7 @@ class StoppingTest : public ::testing::Test {
     admin_ = *admin;
   }
   // The status of a page, 0 when nobody answers.
-  int Get(const char* path) const {
-    httplib::Client client("http://" + admin_);
-    const auto answer = client.Get(path);
-    return answer ? answer->status : 0;
-  }
+  int Get(const char* path) const { return wire::HttpGet(admin_, path).status; }
 
   std::string admin_;
 };

@@ -8,11 +8,11 @@
 
 #include <gmock/gmock.h>
 #include <grpcpp/generic/generic_stub.h>
-#include <httplib.h>
 #include <nlohmann/json.hpp>
 
 #include "server/host/admin_http.h"
 #include "server/runtime/metrics.h"
+#include "tests/wire/http_get.h"
 #include "tests/wire/wire_fixture.h"
 
 namespace arap::wire {
@@ -35,16 +35,7 @@ class AdminTest : public WireTest {
  protected:
   AdminTest() { options().admin = "127.0.0.1:0"; }
 
-  struct Page {
-    int status = 0;
-    std::string body;
-  };
-  Page Get(const std::string& path) {
-    httplib::Client client("http://" + host().admin_address());
-    const auto answer = client.Get(path.c_str());
-    EXPECT_TRUE(answer) << path;
-    return answer ? Page{answer->status, answer->body} : Page{};
-  }
+  Page Get(const std::string& path) { return HttpGet(host().admin_address(), path); }
   std::string Ready() {
     const Page page = Get("/readyz");
     return std::to_string(page.status) + " " + nlohmann::json::parse(page.body).value("status", "");
