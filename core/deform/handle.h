@@ -32,6 +32,8 @@ struct Handle {
   static constexpr double kDefaultWeight = 1e6;
   static constexpr double kMinWeight = 1e-6;
   static constexpr double kMaxWeight = 1e12;
+  // So that the depths of all handles together are finite, as floats too.
+  static constexpr double kMaxDepth = 1e30;
 
   std::string id;
   std::variant<VertexAnchor, TriangleAnchor, PointAnchor> anchor;
@@ -40,7 +42,7 @@ struct Handle {
   bool oriented = false;           // hold orientation and scale too: the whole triangle is placed
   double area_radius = 0;          // hold every vertex within this rest distance; implies oriented
   Outside outside = Outside::kError;
-  double depth = 0;          // for the drawing order, higher is nearer
+  double depth = 0;          // for the drawing order, higher is nearer; ±kMaxDepth
   double depth_falloff = 0;  // rest distance over which depth fades to 0; 0: constant
 };
 

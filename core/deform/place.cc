@@ -30,8 +30,10 @@ Status CheckHandle(const Handle& h, std::size_t index) {
         fmt::format("handle \"{}\" has area radius {}; it must be finite and at least 0", h.id,
                     h.area_radius));
   }
-  if (!std::isfinite(h.depth)) {
-    return BadOption(index, "depth", fmt::format("handle \"{}\" has depth {}", h.id, h.depth));
+  if (!(std::abs(h.depth) <= Handle::kMaxDepth)) {
+    return BadOption(index, "depth",
+                     fmt::format("handle \"{}\" has depth {}; it must be from {} to {}", h.id,
+                                 h.depth, -Handle::kMaxDepth, Handle::kMaxDepth));
   }
   if (!(h.depth_falloff >= 0 && std::isfinite(h.depth_falloff))) {
     return BadOption(index, "depth_falloff",

@@ -126,7 +126,9 @@ Status FromWire(const v1::Handle& handle, const std::string& path, Handle& out) 
         return CheckRange(out.weight, Handle::kMinWeight, Handle::kMaxWeight, path + ".weight");
       })
       .and_then([&] { return CheckRange(out.area_radius, 0, kInfinity, path + ".area_radius"); })
-      .and_then([&] { return CheckRange(out.depth, -kInfinity, kInfinity, path + ".depth"); })
+      .and_then([&] {
+        return CheckRange(out.depth, -Handle::kMaxDepth, Handle::kMaxDepth, path + ".depth");
+      })
       .and_then(
           [&] { return CheckRange(out.depth_falloff, 0, kInfinity, path + ".depth_falloff"); });
 }

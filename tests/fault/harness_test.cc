@@ -39,10 +39,5 @@ TEST(Harness, AWrongFlagIsAnExitCodeAndASentence) {
   EXPECT_NE(server.Log().find("--workers"), std::string::npos) << server.Log();
 }
 
-TEST(Harness, KnowsTheFlagsOfTheServer) {
-  EXPECT_TRUE(ServerHasFlag("--listen"));
-  EXPECT_FALSE(ServerHasFlag("--no-such-flag"));
-}
-
 }  // namespace
 }  // namespace arap::fault

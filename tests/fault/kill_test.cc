@@ -28,7 +28,6 @@ std::uint64_t FromEnvironment(const char* name, std::uint64_t otherwise) {
 }
 
 TEST(Kill, WhatWasAcknowledgedIsThere) {
-  if (!ServerHasFlag("--store")) GTEST_SKIP() << "this arapd keeps nothing";
   const std::uint64_t seed = FromEnvironment("ARAP_KILL_SEED", 5);
   const std::uint64_t rounds = FromEnvironment("ARAP_KILL_ROUNDS", 25);
   testing::Random random(seed);

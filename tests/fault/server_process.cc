@@ -24,13 +24,17 @@ ServerProcess::ServerProcess(std::vector<std::string> flags, std::string listen)
     : flags_(std::move(flags)), listen_(std::move(listen)) {}
 
 std::vector<std::string> ServerProcess::Words() const {
-  std::vector<std::string> words{ARAPD, "--listen", InFolder(listen_, folder_.path()),
-                                 "--log-level", "info"};
+  std::vector<std::string> words{ARAPD,     "--listen",     InFolder(listen_, folder_.path()),
+                                 "--admin", "127.0.0.1:0",  "--log-level",
+                                 "info",    "--access-log", "-"};
   // Not in the state directory of whoever runs the tests.
   if (std::find(flags_.begin(), flags_.end(), "--store") == flags_.end()) {
     words.insert(words.end(), {"--store", "memory"});
   }
   for (const std::string& flag : flags_) words.push_back(InFolder(flag, folder_.path()));
+  if (std::find(flags_.begin(), flags_.end(), "--store") == flags_.end()) {
+    words.insert(words.end(), {"--store", "memory"});
+  }
   return words;
 }
 
@@ -60,17 +64,6 @@ std::string ServerProcess::Log() const {
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();
-}
-
-bool ServerHasFlag(const std::string& flag) {
-  const TempFolder folder;
-  ChildProcess help;
-  if (!help.Launch({ARAPD, "--help"}, folder / "stderr")) return false;
-  std::optional<std::string> line;
-  do {
-    line = help.ReadLine("", kStartTimeout);
-  } while (line && line->find(flag + " ") == std::string::npos);
-  return line.has_value();
 }
 
 }  // namespace arap::fault

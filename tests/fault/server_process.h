@@ -67,8 +67,9 @@ class ChildProcess {
 // arapd with flags, in a folder of its own that outlives every restart.
 class ServerProcess : public ChildProcess {
  public:
-  // Starts nothing. `flags` follow "--listen ADDRESS --log-level info". "{}" in flag or address is
-  // the folder.
+  // Starts nothing. `flags` come after those that every test needs: free ports, a log on standard
+  // error, sessions in memory unless "--store" is among them. "{}" in flag or address is the
+  // folder.
   explicit ServerProcess(std::vector<std::string> flags = {}, std::string listen = "127.0.0.1:0");
 
   // Starts it and waits until it listens: false with a failure of the test, and the server's log in
@@ -90,8 +91,5 @@ class ServerProcess : public ChildProcess {
   std::string listen_;
   std::string address_;
 };
-
-// Whether this build of arapd has a flag ("--store").
-bool ServerHasFlag(const std::string& flag);
 
 }  // namespace arap::fault

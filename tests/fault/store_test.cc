@@ -26,10 +26,7 @@ const std::vector<std::string> kIds{"a", "b"};
 
 class StoreTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    if (!ServerHasFlag("--store")) GTEST_SKIP() << "this arapd keeps nothing";
-    fs::create_directory(disk());
-  }
+  void SetUp() override { fs::create_directory(disk()); }
 
   // A disk of its own below the store, so that it can be full or read-only. Skips the test where
   // that is not allowed.

@@ -147,6 +147,11 @@ void PutDeformation(const Seeds& seeds) {
   seeds.Put("handles", "edit",
             Call(1, EditRequest()) + Call(2, v1::GetHandleSetRequest()) +
                 Call(4, DeformRequestOf(false)) + Call(3, v1::DeleteHandleSetRequest()));
+  v1::CompileHandlesRequest deep = SetRequest();
+  deep.set_handle_set_id("i");
+  deep.mutable_handles(0)->set_depth(1e300);
+  deep.mutable_handles(2)->set_depth(-1e300);
+  seeds.Put("handles", "depth_beyond_float", Call(0, deep) + Call(2, v1::GetHandleSetRequest()));
   seeds.Put("deform", "plain", Call(0, DeformRequestOf(false)));
   seeds.Put("deform", "everything", Call(0, DeformRequestOf(true)));
 

@@ -1,5 +1,6 @@
 #include "tests/fuzz/world.h"
 
+#include <google/protobuf/stubs/logging.h>
 #include <spdlog/spdlog.h>
 
 #include "server/rpc/handlers.h"
@@ -95,6 +96,7 @@ World::World()
     : engine_(SmallLimits(), {1, 1, 64, 1}, clock_, Memory()),
       services_(rpc::MakeServices(engine_, identity_)) {
   spdlog::set_level(spdlog::level::off);
+  google::protobuf::SetLogHandler(nullptr);
   Make();
 }
 

@@ -199,6 +199,8 @@ TEST_F(HandlesTest, NumbersOfAHandleHaveRanges) {
   }
   refused([&](v1::Handle& handle) { handle.set_area_radius(-1); }, "area_radius");
   refused([&](v1::Handle& handle) { handle.set_depth(nan); }, "depth");
+  // A double, but no float.
+  refused([&](v1::Handle& handle) { handle.set_depth(1e300); }, "depth");
   refused([&](v1::Handle& handle) { handle.set_depth_falloff(-1); }, "depth_falloff");
   refused([&](v1::Handle& handle) { handle.mutable_position()->set_x(nan); }, "position.x");
   refused([&](v1::Handle& handle) { handle.set_outside(static_cast<v1::OutsidePolicy>(9)); },
