@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "core/deform/place.h"
-#include "core/sparse/saddle.h"
 #include "core/energy/local_step.h"
 #include "core/sparse/factor.h"
+#include "core/sparse/saddle.h"
 
 namespace arap {
 

@@ -24,17 +24,14 @@ ServerProcess::ServerProcess(std::vector<std::string> flags, std::string listen)
     : flags_(std::move(flags)), listen_(std::move(listen)) {}
 
 std::vector<std::string> ServerProcess::Words() const {
-  std::vector<std::string> words{ARAPD,     "--listen",     InFolder(listen_, folder_.path()),
-                                 "--admin", "127.0.0.1:0",  "--log-level",
-                                 "info",    "--access-log", "-"};
-  // Not in the state directory of whoever runs the tests.
-  if (std::find(flags_.begin(), flags_.end(), "--store") == flags_.end()) {
-    words.insert(words.end(), {"--store", "memory"});
+  std::vector<std::string> words{ARAPD, "--listen", InFolder(listen_, folder_.path())};
+  // Unless the test says otherwise. Not in the state directory of whoever runs it.
+  for (const auto& [flag, value] :
+       {std::pair{"--log-level", "info"}, std::pair{"--store", "memory"}}) {
+    if (std::find(flags_.begin(), flags_.end(), flag) != flags_.end()) continue;
+    words.insert(words.end(), {flag, value});
   }
   for (const std::string& flag : flags_) words.push_back(InFolder(flag, folder_.path()));
-  if (std::find(flags_.begin(), flags_.end(), "--store") == flags_.end()) {
-    words.insert(words.end(), {"--store", "memory"});
-  }
   return words;
 }
 
