@@ -23,8 +23,10 @@ struct Usage {
 
 // Thread-safe; calls may block on disk or network, so they belong on no interactive lane. What was
 // changed is durable when a call returns, as far as the store promises durability. Every call may
-// fail with kStoreUnavailable (cannot be reached, cannot write; nothing was changed) and with
-// kDataLoss (a record that cannot be read; details "owner" and "session").
+// fail with kStoreUnavailable (cannot be reached, cannot write; detail "why"). Nothing was changed
+// then, except that a network may break after the change and before the answer: read again. The
+// next call tries anew. Load fails with kDataLoss for a record that cannot be read (details "owner"
+// and "session"); its key is taken until it expires or is removed.
 class SpecStore {
  public:
   virtual ~SpecStore() = default;
@@ -42,7 +44,8 @@ class SpecStore {
   // False when there was none.
   virtual Result<bool> Remove(const SessionKey& key) = 0;
 
-  // At most `limit` records after the id `after`, by id.
+  // At most `limit` records after the id `after`, by id; fewer only at the end. Records that cannot
+  // be read are left out.
   virtual Result<std::vector<SessionRecord>> List(const std::string& owner,
                                                   const std::string& after, std::size_t limit) = 0;
   // The owners that have sessions, ascending.
