@@ -26,6 +26,7 @@ struct LoadOptions {
   double seconds = 10;
   std::size_t vertices = 1000;
   std::size_t handles = 8;
+  double fps = 0;
   std::string json;
 };
 
@@ -55,8 +56,9 @@ Result<LoadResult> Load(const LoadOptions& options) {
     if (!client) return Fail(client.error());
     clients.push_back(*std::move(client));
   }
-  const LoadPlan plan = MakeLoadPlan(options.vertices, options.handles,
-                                     std::chrono::duration<double>(options.seconds));
+  LoadPlan plan = MakeLoadPlan(options.vertices, options.handles,
+                               std::chrono::duration<double>(options.seconds));
+  plan.fps = options.fps;
   std::vector<LoadSamples> samples(options.streams);
   std::latch start(static_cast<std::ptrdiff_t>(options.streams) + 1);
   std::vector<std::jthread> threads;
@@ -140,6 +142,13 @@ void AddLoad(CLI::App& app, Run& run) {
   command->add_option("--seconds", options->seconds, "how long to send; default 10")
       ->check(CLI::Range(0.01, 1e6).description(""))
       ->option_text("S");
+  command
+      ->add_option(
+          "--fps", options->fps,
+          "updates a second of each stream, as a hand makes them, and streams begin as they "
+          "are opened; default as fast as they are answered")
+      ->check(CLI::Range(0.01, 1e5).description(""))
+      ->option_text("R");
   command->add_option("--json", options->json, "write the result")->option_text("FILE.json");
   command->callback([options, &run] { run = [options] { return RunLoad(*options); }; });
 }

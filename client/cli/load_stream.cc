@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -87,10 +88,15 @@ void Drive(client::DeformStream& stream, const LoadPlan& plan, std::size_t index
   const Clock::time_point end =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(plan.length);
   client::HandleUpdate update;
+  const auto apart = std::chrono::duration_cast<Clock::duration>(
+      std::chrono::duration<double>(plan.fps > 0 ? 1 / plan.fps : 0));
+  Clock::time_point due = Clock::now();
   while (Clock::now() < end) {
+    if (plan.fps > 0) std::this_thread::sleep_until(due);
     ++update.sequence;
     update.positions = Targets(plan, index, update.sequence);
-    const Clock::time_point sent = Clock::now();
+    const Clock::time_point sent = plan.fps > 0 ? due : Clock::now();
+    due += apart;
     (void)stream.Send(update);  // a failure is explained by the read
     const auto event = stream.Read();
     const std::chrono::duration<double, std::micro> took = Clock::now() - sent;
@@ -123,7 +129,12 @@ LoadSamples RunLoadStream(const client::Client& client, const LoadPlan& plan, st
   } else {
     Note(opened.error(), samples);
   }
-  start.arrive_and_wait();  // also without a stream: the others wait for us
+  // Also without a stream: the others wait for us.
+  if (plan.fps > 0) {
+    start.count_down();
+  } else {
+    start.arrive_and_wait();
+  }
   if (stream) {
     Drive(*stream, plan, index, samples);
     stream.reset();

@@ -21,6 +21,7 @@ struct LoadPlan {
   double reach = 0;           // how far a target strays from its rest position
   std::chrono::duration<double> length{0};
   client::Delivery delivery = client::Delivery::kEvery;
+  double fps = 0;  // updates a second; 0: as fast as they are answered
 };
 
 // A grid of about `vertices` vertices with `handles` handles spread over it.
@@ -36,9 +37,10 @@ struct LoadSamples {
 };
 
 // Opens a session, registers, compiles and opens a stream; then waits at `start` for the others;
-// then sends updates for the planned time, each when the one before is answered. Checks every
-// answer: the right sequence, the right length, all finite; BAD_REPLY otherwise. `index` shifts the
-// motion.
+// then sends updates for the planned time, each when the one before is answered. With a rate it
+// begins as soon as it is open, as hands do, and times are counted from when an update should have
+// been sent: one that is held up by the one before counts its waiting too. Checks every answer: the
+// right sequence, the right length, all finite; BAD_REPLY otherwise. `index` shifts the motion.
 LoadSamples RunLoadStream(const client::Client& client, const LoadPlan& plan, std::size_t index,
                           std::latch& start);
 

@@ -39,6 +39,16 @@ TEST_F(LoadCommand, CountsUpdatesWithoutErrors) {
   EXPECT_GT(json["solve_micros"]["p50"], 0);
 }
 
+TEST_F(LoadCommand, KeepsARate) {
+  const Outcome outcome = Arapctl({"load", "--spawn", "--streams", "2", "--seconds", "1", "--fps",
+                                   "20", "--vertices", "300", "--json", Path("load.json")});
+  ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  const auto json = nlohmann::json::parse(Slurp(Path("load.json")), nullptr, false);
+  ASSERT_TRUE(json.is_object());
+  EXPECT_GT(json["updates"], 2);
+  EXPECT_LE(json["updates"], 2 * 21) << "no faster than told";
+}
+
 TEST_F(LoadCommand, ErrorsAreCountedByReasonAndFailTheCommand) {
   const Outcome outcome = Arapctl({"load", "--spawn", "--streams", "2", "--seconds", "0.1",
                                    "--vertices", "1100000", "--handles", "2"});
