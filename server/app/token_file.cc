@@ -38,9 +38,9 @@ std::optional<Parts> Split(std::string_view token) {
 
 // What an unknown id is compared with.
 const TokenFile::Entry& Nobody() {
-  static const TokenFile::Entry nobody{
+  static const TokenFile::Entry kNoEntry{
       {}, std::string(kTokenSaltDigits, '0'), std::string(kTokenSecretDigits, '0'), {}};
-  return nobody;
+  return kNoEntry;
 }
 
 Fault Unreadable(const std::string& path, const std::string& why) {
