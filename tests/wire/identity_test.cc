@@ -331,7 +331,7 @@ TEST_F(IdentityTest, LogHoldsNoSecret) {
   spdlog::set_level(spdlog::level::off);
 
   const std::string log = text.str() + refused.error().message;
-  EXPECT_THAT(log, HasSubstr("rpc=CreateSession session="));
+  EXPECT_THAT(log, HasSubstr("rpc=CreateSession owner=alice session="));
   EXPECT_THAT(log, HasSubstr("reason=UNAUTHENTICATED"));
   EXPECT_THAT(log, HasSubstr("event=tokens_kept"));
   EXPECT_THAT(log, HasSubstr("event=tokens_reloaded tokens=1"));
