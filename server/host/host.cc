@@ -10,6 +10,7 @@
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/impl/service_type.h>
+#include <malloc.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -29,6 +30,7 @@ constexpr int kMinPingIntervalMs = 1'000;
 constexpr int kKeepaliveMs = 60'000;
 constexpr int kKeepaliveTimeoutMs = 20'000;
 constexpr std::chrono::milliseconds kHealthPeriod = std::chrono::seconds(1);
+constexpr std::size_t kTrimEvery = 10;  // sweeps
 
 void Configure(const HostOptions& options, grpc::ServerBuilder& builder) {
   constexpr std::size_t kLargest = std::numeric_limits<int>::max();
@@ -139,6 +141,9 @@ class Host::Impl {
 
   // Says when it begins to fail and when it works again, not every second.
   void Sweep() {
+    // What a flood or an eviction has freed goes back to the system: by itself the allocator keeps
+    // the most that each of its arenas ever held.
+    if (++sweeps_ % kTrimEvery == 0) malloc_trim(0);
     const Status swept = engine_.Sweep();
     if (swept && sweep_failed_) spdlog::info("event=sweeping_again");
     if (!swept && !sweep_failed_) {
@@ -222,7 +227,9 @@ class Host::Impl {
   std::mutex health_mutex_;  // what is said to grpc.health follows the order of what is found
   Verdict::State said_ = Verdict::State::kReady;  // guarded by health_mutex_
   std::unique_ptr<runtime::Ticker> health_ticker_;
-  bool sweep_failed_ = false;  // of the thread that sweeps
+  // Of the thread that sweeps.
+  std::size_t sweeps_ = 0;
+  bool sweep_failed_ = false;
   bool sweeping_ = false;
   std::unique_ptr<runtime::Ticker> sweep_ticker_;
 };
