@@ -34,8 +34,10 @@ Status CheckSize(std::size_t vertices, std::size_t triangles, const MeshLimits& 
   return check("triangles", triangles, limits.max_triangles);
 }
 
-bool Finite(const Complex& p) { return std::isfinite(p.real()) && std::isfinite(p.imag()); }
-bool Finite(const Eigen::Vector3d& p) { return p.allFinite(); }
+// False for NaN.
+bool Finite(double x) { return std::abs(x) <= kMaxCoordinate; }
+bool Finite(const Complex& p) { return Finite(p.real()) && Finite(p.imag()); }
+bool Finite(const Eigen::Vector3d& p) { return Finite(p.x()) && Finite(p.y()) && Finite(p.z()); }
 
 template <class Point>
 Status CheckFinite(const std::vector<Point>& points) {
@@ -47,8 +49,10 @@ Status CheckFinite(const std::vector<Point>& points) {
     ++count;
   }
   if (count == 0) return {};
-  fault.message = fmt::format("vertex {} has a coordinate that is NaN or infinite ({} in all)",
-                              fault.elements.front(), count);
+  fault.message =
+      fmt::format("vertex {} has a coordinate that is NaN, infinite or beyond {:g} ({} in all)",
+                  fault.elements.front(), kMaxCoordinate, count);
+  fault.Detail("limit", fmt::format("{:g}", kMaxCoordinate));
   return Fail(std::move(fault));
 }
 

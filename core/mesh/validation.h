@@ -13,6 +13,9 @@
 
 namespace arap {
 
+// The largest coordinate: areas are finite up to it.
+inline constexpr double kMaxCoordinate = 1e150;
+
 struct MeshLimits {
   std::size_t max_vertices = 1'000'000;
   std::size_t max_triangles = 2'000'000;

@@ -213,6 +213,11 @@ Result<SessionPage> SessionRegistry::List(const std::string& owner, std::size_t 
 Status SessionRegistry::Delete(const std::string& owner, const std::string& id) {
   const std::lock_guard writing(writes_);
   auto session = Find({owner, id});
+  if (!session && session.error().kind == FaultKind::kDataLoss) {
+    // What cannot be read can still be got rid of.
+    auto gone = store_.Remove({owner, id});
+    return gone ? Status{} : Fail(std::move(gone.error()));
+  }
   if (!session) return Fail(std::move(session.error()));
   auto removed = store_.Remove((*session)->key());
   if (!removed) return Fail(std::move(removed.error()));

@@ -38,12 +38,15 @@ class TrafficTest : public ::testing::Test {
     EXPECT_TRUE(deformer.Update(entry->handles->RestTargets(), {}));
   }
 
+  void Open(const Caller& caller) {
+    ASSERT_TRUE(engine_.sessions.Create(caller, {"s", std::chrono::minutes(1), {}}));
+    ASSERT_TRUE(RegisterMesh(engine_, caller, "s", "m", testing::JitteredGrid(6, 6, 3), {}, {}));
+    ASSERT_TRUE(CompileHandles(engine_, caller, "s", "m", "h", {AtVertex(0)}, {}));
+  }
+
   // One owner's life on one session that its other threads use too.
   void Live(const Caller& caller, int seed) {
     const std::string id = "s";
-    ASSERT_TRUE(engine_.sessions.Create(caller, {id, std::chrono::minutes(1), {}}));
-    ASSERT_TRUE(RegisterMesh(engine_, caller, id, "m", testing::JitteredGrid(6, 6, 3), {}, {}));
-    ASSERT_TRUE(CompileHandles(engine_, caller, id, "m", "h", {AtVertex(0)}, {}));
     for (int round = 0; round < kRounds; ++round) {
       const auto vertex = static_cast<std::uint32_t>(1 + (seed * kRounds + round) % 40);
       const std::string name = "v" + std::to_string(vertex);
@@ -72,6 +75,7 @@ TEST_F(TrafficTest, NothingIsLost) {
       static_cast<void>(engine_.metrics.Text());
     }
   });
+  for (const Caller& caller : {ann, ben}) Open(caller);
   std::vector<std::thread> lives;
   for (int i = 0; i < 4; ++i) {
     lives.emplace_back([this, &caller = i % 2 == 0 ? ann : ben, i] { Live(caller, i); });

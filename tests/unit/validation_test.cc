@@ -42,8 +42,8 @@ TEST(ValidationTest, NamesTheLimit) {
 }
 
 TEST(ValidationTest, NamesTheNonFiniteVertex) {
-  for (const double bad :
-       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(),
+                           std::numeric_limits<double>::infinity(), -2 * kMaxCoordinate}) {
     PlanarMesh mesh = Square();
     mesh.vertices[2] = {1, bad};
     const Fault fault = FaultOf(mesh);
