@@ -50,8 +50,10 @@ class Bytes {
 
   // The next part of a sequence: two bytes that say how long it is, and then so many at most.
   std::span<const std::uint8_t> Part() {
+    // One after the other: what is left counts after both were taken.
     const std::size_t low = Byte();
-    const std::size_t length = std::min<std::size_t>(low | std::size_t{Byte()} << 8u, rest_.size());
+    const std::size_t high = Byte();
+    const std::size_t length = std::min(low | high << 8u, rest_.size());
     const auto part = rest_.first(length);
     rest_ = rest_.subspan(length);
     return part;
