@@ -34,10 +34,18 @@ Status CheckSize(std::size_t vertices, std::size_t triangles, const MeshLimits& 
   return check("triangles", triangles, limits.max_triangles);
 }
 
-// False for NaN.
-bool Finite(double x) { return std::abs(x) <= kMaxCoordinate; }
-bool Finite(const Complex& p) { return Finite(p.real()) && Finite(p.imag()); }
-bool Finite(const Eigen::Vector3d& p) { return Finite(p.x()) && Finite(p.y()) && Finite(p.z()); }
+// False for NaN too.
+bool Finite(const Complex& p) {
+  return std::abs(p.real()) <= kMaxCoordinate && std::abs(p.imag()) <= kMaxCoordinate;
+}
+bool Finite(const Eigen::Vector3d& p) { return p.allFinite(); }
+
+// What is wrong with a vertex that is not. The triangles of a surface say themselves when they are
+// too large to be measured.
+std::string NotFinite(const Complex&) {
+  return fmt::format("NaN, infinite or beyond {:g}", kMaxCoordinate);
+}
+std::string NotFinite(const Eigen::Vector3d&) { return "NaN or infinite"; }
 
 template <class Point>
 Status CheckFinite(const std::vector<Point>& points) {
@@ -50,9 +58,8 @@ Status CheckFinite(const std::vector<Point>& points) {
   }
   if (count == 0) return {};
   fault.message =
-      fmt::format("vertex {} has a coordinate that is NaN, infinite or beyond {:g} ({} in all)",
-                  fault.elements.front(), kMaxCoordinate, count);
-  fault.Detail("limit", fmt::format("{:g}", kMaxCoordinate));
+      fmt::format("vertex {} has a coordinate that is {} ({} in all)", fault.elements.front(),
+                  NotFinite(points[fault.elements.front()]), count);
   return Fail(std::move(fault));
 }
 

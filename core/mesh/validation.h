@@ -13,7 +13,7 @@
 
 namespace arap {
 
-// The largest coordinate: areas are finite up to it.
+// The largest coordinate of a planar mesh: areas are finite up to it.
 inline constexpr double kMaxCoordinate = 1e150;
 
 struct MeshLimits {
