@@ -28,9 +28,13 @@ std::size_t CompilationBytes(std::size_t vertices, std::size_t rows) {
 
 std::size_t FlatteningBytes(std::size_t triangles) { return triangles * 1'200; }
 
-std::size_t RowsOf(const Handle& handle, std::size_t vertices) {
-  if (handle.area_radius > 0) return vertices;
-  return handle.oriented ? 3 : 1;
+std::size_t RowsOf(const std::vector<Handle>& handles, std::size_t vertices) {
+  std::size_t rows = 0;
+  for (const Handle& handle : handles) {
+    const std::size_t held = handle.oriented ? 3 : 1;
+    rows += handle.area_radius > 0 ? vertices : held;
+  }
+  return rows;
 }
 
 }  // namespace arap::app

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "core/deform/handle.h"
 
@@ -15,7 +16,7 @@ std::size_t CompilationBytes(std::size_t vertices, std::size_t rows);
 // The flattening of `triangles`, at its peak.
 std::size_t FlatteningBytes(std::size_t triangles);
 
-// Constraint rows of a handle before it is placed: an area may hold every vertex.
-std::size_t RowsOf(const Handle& handle, std::size_t vertices);
+// Constraint rows of handles before they are placed: an area may hold every vertex.
+std::size_t RowsOf(const std::vector<Handle>& handles, std::size_t vertices);
 
 }  // namespace arap::app

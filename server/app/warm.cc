@@ -135,10 +135,4 @@ HandleSetEntry KeepWarm(Engine& engine, const store::SessionKey& session, const 
   return entry;
 }
 
-std::size_t RowsOf(const std::vector<Handle>& handles, std::size_t vertices) {
-  std::size_t rows = 0;
-  for (const Handle& handle : handles) rows += RowsOf(handle, vertices);
-  return rows;
-}
-
 }  // namespace arap::app

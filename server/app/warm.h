@@ -36,7 +36,4 @@ MeshEntry KeepWarm(Engine& engine, const std::string& owner, MeshEntry entry);
 HandleSetEntry KeepWarm(Engine& engine, const store::SessionKey& session, const std::string& blob,
                         HandleSetEntry entry);
 
-// Constraint rows of `handles`, before they are placed.
-std::size_t RowsOf(const std::vector<Handle>& handles, std::size_t vertices);
-
 }  // namespace arap::app

@@ -7,7 +7,6 @@
 #include <thread>
 
 #include <gmock/gmock.h>
-#include <grpcpp/generic/generic_stub.h>
 #include <nlohmann/json.hpp>
 
 #include "server/host/admin_http.h"
@@ -163,26 +162,6 @@ TEST_F(AdminTest, DashboardAsksForWhatIsServed) {
     }
   }
   EXPECT_GT(queries, 10);
-}
-
-// The answer of grpc.health.v1.Health/Check, as bytes: 08 01 is SERVING, 08 02 NOT_SERVING.
-std::string Health(const std::string& address) {
-  grpc::GenericStub stub(grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
-  grpc::ByteBuffer sent, received;
-  grpc::Slice empty;
-  sent = grpc::ByteBuffer(&empty, 1);
-  grpc::Status status;
-  grpc::ClientContext context;
-  grpc::CompletionQueue queue;
-  const auto call = stub.PrepareUnaryCall(&context, "/grpc.health.v1.Health/Check", sent, &queue);
-  call->StartCall();
-  call->Finish(&received, &status, nullptr);
-  void* tag = nullptr;
-  bool ok = false;
-  queue.Next(&tag, &ok);
-  grpc::Slice answer;
-  if (!status.ok() || !received.DumpToSingleSlice(&answer).ok()) return status.error_message();
-  return {answer.begin(), answer.end()};
 }
 
 TEST_F(AdminTest, StuckLaneIsNotReadyUntilItMoves) {

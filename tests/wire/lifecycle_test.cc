@@ -4,7 +4,6 @@
 #include <fstream>
 #include <thread>
 
-#include <grpcpp/generic/generic_stub.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -39,27 +38,6 @@ TEST_F(LifecycleTest, InfoTellsTheLimitsInForce) {
     EXPECT_TRUE(reflection->HasField(response.limits(), descriptor->field(i)))
         << descriptor->field(i)->name();
   }
-}
-
-// The answer of grpc.health.v1.Health/Check, as bytes: 1 is SERVING.
-std::string Health(const std::string& address, const std::string& service) {
-  grpc::GenericStub stub(grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
-  // Field 1, a string.
-  grpc::Slice request("\x0A" + std::string(1, static_cast<char>(service.size())) + service);
-  grpc::ByteBuffer sent(&request, 1);
-  grpc::ByteBuffer received;
-  grpc::Status status;
-  grpc::ClientContext context;
-  grpc::CompletionQueue queue;
-  const auto call = stub.PrepareUnaryCall(&context, "/grpc.health.v1.Health/Check", sent, &queue);
-  call->StartCall();
-  call->Finish(&received, &status, nullptr);
-  void* tag = nullptr;
-  bool ok = false;
-  queue.Next(&tag, &ok);
-  grpc::Slice answer;
-  if (!status.ok() || !received.DumpToSingleSlice(&answer).ok()) return status.error_message();
-  return {answer.begin(), answer.end()};
 }
 
 TEST_F(LifecycleTest, HealthKnowsTheServices) {

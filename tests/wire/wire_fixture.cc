@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <google/rpc/error_details.pb.h>
+#include <grpcpp/generic/generic_stub.h>
 #include <spdlog/spdlog.h>
 
 namespace arap::wire {
@@ -69,6 +70,26 @@ WireError ExpectError(const grpc::Status& status, grpc::StatusCode code, const c
 WireError ExpectError(const google::rpc::Status& status, grpc::StatusCode code,
                       const char* reason) {
   return Expect(Decode(status), code, reason);
+}
+
+std::string Health(const std::string& address, const std::string& service) {
+  grpc::GenericStub stub(grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
+  // Field 1, a string.
+  grpc::Slice request("\x0A" + std::string(1, static_cast<char>(service.size())) + service);
+  grpc::ByteBuffer sent(&request, 1);
+  grpc::ByteBuffer received;
+  grpc::Status status;
+  grpc::ClientContext context;
+  grpc::CompletionQueue queue;
+  const auto call = stub.PrepareUnaryCall(&context, "/grpc.health.v1.Health/Check", sent, &queue);
+  call->StartCall();
+  call->Finish(&received, &status, nullptr);
+  void* tag = nullptr;
+  bool ok = false;
+  queue.Next(&tag, &ok);
+  grpc::Slice answer;
+  if (!status.ok() || !received.DumpToSingleSlice(&answer).ok()) return status.error_message();
+  return {answer.begin(), answer.end()};
 }
 
 PoolGate::PoolGate(runtime::WorkerPool& pool) {

@@ -42,6 +42,9 @@ WireError Decode(const grpc::Status& status);
 WireError ExpectError(const grpc::Status& status, grpc::StatusCode code, const char* reason);
 WireError ExpectError(const google::rpc::Status& status, grpc::StatusCode code, const char* reason);
 
+// The answer of grpc.health.v1.Health/Check, as bytes: 08 01 is SERVING, 08 02 NOT_SERVING.
+std::string Health(const std::string& address, const std::string& service = {});
+
 // Keeps every thread of a pool busy from construction until Open or destruction.
 class PoolGate {
  public:
