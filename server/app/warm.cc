@@ -7,6 +7,8 @@
 #include "server/app/definitions.h"
 #include "server/app/estimate.h"
 #include "server/app/names.h"
+#include "server/runtime/metrics.h"
+#include "server/runtime/stopwatch.h"
 #include "server/store/mesh_blob.h"
 
 namespace arap::app {
@@ -51,7 +53,11 @@ Result<std::shared_ptr<const RegisteredMesh>> Rebuild(Engine& engine, const Call
   if (!room) return Fail(std::move(room.error()));
   // What was accepted once stays, also when the limits have shrunk since.
   constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
-  return RegisteredMesh::Register(std::move(stored->mesh), stored->options, {kAny, kAny}, cancel);
+  const runtime::Stopwatch working;
+  auto mesh =
+      RegisteredMesh::Register(std::move(stored->mesh), stored->options, {kAny, kAny}, cancel);
+  if (mesh) engine.metrics.Phase(runtime::Phase::kRebuild, working.Micros() * 1e-6);
+  return mesh;
 }
 
 }  // namespace
@@ -110,8 +116,10 @@ Result<HandleSetEntry> WarmHandleSet(Engine& engine, const Caller& caller, const
   auto room = engine.derived.Reserve(
       caller, CompilationBytes(vertices, RowsOf(set->definitions, vertices)));
   if (!room) return Fail(std::move(room.error()));
+  const runtime::Stopwatch working;
   auto compiled = CompiledHandles::Compile(mesh->mesh, set->definitions, cancel);
   if (!compiled) return Fail(std::move(compiled.error()));
+  engine.metrics.Phase(runtime::Phase::kRebuild, working.Micros() * 1e-6);
   entry.definitions = std::move(set->definitions);
   entry.handles = *std::move(compiled);
   return KeepWarm(engine, session.key(), mesh->content_hash, std::move(entry));
