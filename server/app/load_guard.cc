@@ -14,11 +14,6 @@ constexpr std::chrono::milliseconds kApart{50};
 // Below it the lane counts as idle.
 constexpr double kIdle = 0.05;
 
-// Measured with script/bench (docs/operations.md), rounded up; a hand moves as fast as a screen.
-constexpr double kFrameSeconds = 5e-5;
-constexpr double kVertexSeconds = 1.5e-7;
-constexpr double kUsualFps = 60;
-
 }  // namespace
 
 void LoadGuard::MeasureLocked(Seconds busy, Time now) {
@@ -55,11 +50,6 @@ Status LoadGuard::Admit(double share, Seconds busy, Time now) {
 double LoadGuard::Measured() const {
   const std::lock_guard lock(mutex_);
   return measured_;
-}
-
-double ExpectedShare(std::size_t vertices, std::size_t refine) {
-  const auto n = static_cast<double>(vertices);
-  return kUsualFps * (kFrameSeconds + kVertexSeconds * n * static_cast<double>(1 + refine));
 }
 
 }  // namespace arap::app

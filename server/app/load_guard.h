@@ -19,9 +19,10 @@ class LoadGuard {
   // Nobody is refused with a `limit` of 0.
   LoadGuard(double limit, double workers) : limit_(limit), workers_(workers) {}
 
-  // Asks for a stream whose frames are expected to keep one worker busy for `share` of the time.
-  // `busy` is what all workers have worked since the start. kLimitExceeded with "max_stream_load";
-  // on an idle server everything is admitted, however large.
+  // Asks for a stream that opens or wakes up (stream_pace.h) and whose frames are expected to keep
+  // one worker busy for `share` of the time. `busy` is what all workers have worked since the
+  // start. kLimitExceeded with "max_stream_load"; on an idle server everything is admitted, however
+  // large.
   Status Admit(double share, Seconds busy, Time now);
 
   // The measured part, 0 to 1.
@@ -50,9 +51,5 @@ class LoadGuard {
   std::deque<Newcomer> newcomers_;
   double measured_ = 0;
 };
-
-// What a stream on a mesh of `vertices` is expected to take of one worker, with `refine` iterations
-// per update at a usual rate of updates.
-double ExpectedShare(std::size_t vertices, std::size_t refine);
 
 }  // namespace arap::app

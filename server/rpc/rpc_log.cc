@@ -17,14 +17,14 @@ std::string Printable(const std::string& id) {
   return app::IsName(id) ? id : "?";
 }
 
+}  // namespace
+
 void CountRefusal(const Fault& fault, runtime::Metrics& metrics) {
   if (fault.kind == FaultKind::kOverloaded) metrics.Rejected("queue");
   for (const auto& [name, value] : fault.details) {
     if (name == "quota") metrics.Rejected(value);
   }
 }
-
-}  // namespace
 
 RpcLog::RpcLog(const char* method, const std::string& session_id, bool noisy,
                runtime::Metrics* metrics)

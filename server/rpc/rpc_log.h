@@ -17,6 +17,9 @@ namespace arap::rpc {
 
 inline constexpr const char* kAccessLog = "access";
 
+// Counts the quota that refused something, if `fault` is such a refusal.
+void CountRefusal(const Fault& fault, runtime::Metrics& metrics);
+
 class RpcLog {
  public:
   // `metrics` may be null; it outlives this.

@@ -16,6 +16,7 @@
 #include "server/app/engine.h"
 #include "server/app/live_set.h"
 #include "server/app/open_streams.h"
+#include "server/app/stream_pace.h"
 #include "server/app/token_bucket.h"
 #include "server/rpc/caller_of.h"
 #include "server/rpc/convert_shape.h"
@@ -67,6 +68,8 @@ class StreamDeformReactor final
   void TakeOpen();
   bool TakeUpdate(const v1::HandleUpdate& update);
   bool TakeEdit(v1::HandleEdit& edit);
+  // Whether rate and load allow an update now; takes the rate's token.
+  Status Grant(runtime::Clock::Steady now);
   Status Merge(const v1::HandleUpdate& update);
 
   // Bodies of the jobs, without mutex_.
@@ -81,6 +84,8 @@ class StreamDeformReactor final
               v1::Shape* shape) const;
 
   bool Post(runtime::WorkerPool& lane, void (StreamDeformReactor::*job)());
+  // Answers an update or an edit with an error.
+  void Refuse(std::uint64_t sequence, const Fault& fault);
   bool idle() const { return work_ == Work::kNone && !next_ && outbox_.empty(); }
   bool ending() const { return end_.has_value() || cancelled_ || finished_; }
   void EndLocked(Fault reason);
@@ -99,7 +104,8 @@ class StreamDeformReactor final
   bool reads_done_ = false;
   runtime::Clock::Steady heard_;  // when the client last said something
   app::TokenBucket rate_;
-  bool granted_ = false;  // the held update has its token
+  std::optional<app::StreamPace> pace_;  // since it was opened
+  bool granted_ = false;                 // the held update has its token
 
   bool opened_ = false;
   bool latest_ = true;

@@ -63,7 +63,10 @@ bool StreamDeformReactor::TakeMessage() {
 
 bool StreamDeformReactor::Post(runtime::WorkerPool& lane, void (StreamDeformReactor::*job)()) {
   job_waiting_ = {};
-  return lane.TryPost([self = shared_from_this(), job] { (self.get()->*job)(); });
+  auto run = [self = shared_from_this(), job] { (self.get()->*job)(); };
+  // Whoever was let in does not wait, and is not refused, because of the calls of others.
+  return &lane == &engine_.interactive ? lane.PostUrgent(std::move(run))
+                                       : lane.TryPost(std::move(run));
 }
 
 void StreamDeformReactor::TakeOpen() {
@@ -83,10 +86,9 @@ bool StreamDeformReactor::TakeUpdate(const v1::HandleUpdate& update) {
     return true;
   }
   if (!granted_) {
-    if (!rate_.Take(engine_.clock.SteadyNow())) {
+    if (auto granted = Grant(engine_.clock.SteadyNow()); !granted) {
       if (!idle()) return false;
-      const auto limit = static_cast<std::size_t>(engine_.limits.max_stream_fps);
-      outbox_.PushError(update.sequence(), app::QuotaFull("max_stream_fps", limit));
+      Refuse(update.sequence(), granted.error());
       return true;
     }
     granted_ = true;
@@ -96,13 +98,31 @@ bool StreamDeformReactor::TakeUpdate(const v1::HandleUpdate& update) {
   if (!merged) {
     if (!idle()) return false;  // its turn comes after the answers before it
     granted_ = false;
-    outbox_.PushError(update.sequence(), merged.error());
+    Refuse(update.sequence(), merged.error());
     return true;
   }
   granted_ = false;
   if (next_) ++replaced_;
   next_ = Accepted{update.sequence(), {}, *std::move(picks)};
   return true;
+}
+
+Status StreamDeformReactor::Grant(runtime::Clock::Steady now) {
+  if (!rate_.Take(now)) {
+    const auto limit = static_cast<std::size_t>(engine_.limits.max_stream_fps);
+    return Fail(app::QuotaFull("max_stream_fps", limit));
+  }
+  if (pace_->Asleep(now)) {
+    auto admitted = engine_.load.Admit(pace_->Share(), engine_.interactive.stats().busy, now);
+    if (!admitted) return admitted;
+  }
+  pace_->Update(now);
+  return {};
+}
+
+void StreamDeformReactor::Refuse(std::uint64_t sequence, const Fault& fault) {
+  CountRefusal(fault, engine_.metrics);
+  outbox_.PushError(sequence, fault);
 }
 
 Status StreamDeformReactor::Merge(const v1::HandleUpdate& update) {
@@ -133,7 +153,7 @@ bool StreamDeformReactor::TakeEdit(v1::HandleEdit& edit) {
   if (!Post(IsLight(job_edit_) ? engine_.interactive : engine_.jobs,
             &StreamDeformReactor::RunEdit)) {
     work_ = Work::kNone;
-    outbox_.PushError(job_edit_.sequence(), app::Overloaded());
+    Refuse(job_edit_.sequence(), app::Overloaded());
   }
   return true;
 }
@@ -148,7 +168,7 @@ bool StreamDeformReactor::Begin() {
   if (!Post(engine_.interactive, &StreamDeformReactor::RunUpdate)) {
     work_ = Work::kNone;
     replaced_ = job_replaced_;
-    outbox_.PushError(job_update_.sequence, app::Overloaded());
+    Refuse(job_update_.sequence, app::Overloaded());
   }
   return true;
 }
@@ -188,13 +208,11 @@ Result<app::LiveSet> StreamDeformReactor::OpenSet() {
                       "open.delivery"});
   }
   const std::size_t vertices = entry->handles->mesh()->mesh().vertices.size();
-  const double share =
-      app::ExpectedShare(vertices, static_cast<std::size_t>(options->deform.refine));
-  if (auto admitted = engine_.load.Admit(share, engine_.interactive.stats().busy,
-                                         std::chrono::steady_clock::now());
-      !admitted) {
-    return Fail(std::move(admitted.error()));
-  }
+  const auto refine = static_cast<std::size_t>(options->deform.refine);
+  const auto now = engine_.clock.SteadyNow();
+  pace_.emplace(app::FrameSeconds(vertices, refine), now);
+  auto admitted = engine_.load.Admit(pace_->Share(), engine_.interactive.stats().busy, now);
+  if (!admitted) return Fail(std::move(admitted.error()));
   options_ = *options;
   latest_ = job_open_.delivery() != v1::DELIVERY_EVERY;
   end_listener_ = session_->AddEndListener(
@@ -241,7 +259,7 @@ void StreamDeformReactor::RunUpdate() {
     outbox_.PushUpdate(std::move(message), latest_);
   } else {
     replaced_ += job_replaced_;
-    outbox_.PushError(job_update_.sequence, made.error());
+    Refuse(job_update_.sequence, made.error());
   }
   work_ = Work::kNone;
   Pump();
@@ -267,7 +285,7 @@ void StreamDeformReactor::RunEdit() {
     live_.emplace(*std::move(edited));
     outbox_.Push(std::move(message));
   } else {
-    outbox_.PushError(job_edit_.sequence(), made.error());
+    Refuse(job_edit_.sequence(), made.error());
   }
   work_ = Work::kNone;
   Pump();

@@ -1,6 +1,7 @@
 #include "server/runtime/worker_pool.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include <pthread.h>
@@ -13,6 +14,8 @@ namespace arap::runtime {
 namespace {
 
 using std::chrono::steady_clock;
+
+constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
 
 PoolOptions WithThread(PoolOptions options) {
   options.threads = std::max<std::size_t>(options.threads, 1);
@@ -43,18 +46,27 @@ WorkerPool::WorkerPool(std::size_t threads, std::size_t queue)
 
 WorkerPool::~WorkerPool() { Stop(); }
 
-bool WorkerPool::TryPost(Job job) { return Post(std::move(job), true); }
+bool WorkerPool::TryPost(Job job) { return Post(jobs_, std::move(job), options_.queue); }
 
-bool WorkerPool::Continue(Job job) { return Post(std::move(job), false); }
+bool WorkerPool::Continue(Job job) { return Post(jobs_, std::move(job), kAny); }
 
-bool WorkerPool::Post(Job job, bool bounded) {
+bool WorkerPool::PostUrgent(Job job) { return Post(urgent_, std::move(job), kAny); }
+
+bool WorkerPool::Post(std::deque<Posted>& jobs, Job job, std::size_t room) {
   {
     const std::lock_guard lock(mutex_);
-    if (stopped_ || (bounded && jobs_.size() >= options_.queue)) return false;
-    jobs_.push_back({std::move(job), steady_clock::now()});
+    if (stopped_ || jobs.size() >= room) return false;
+    jobs.push_back({std::move(job), steady_clock::now()});
   }
   wake_.notify_one();
   return true;
+}
+
+WorkerPool::Posted WorkerPool::TakeLocked() {
+  std::deque<Posted>& jobs = urgent_.empty() ? jobs_ : urgent_;
+  Posted next = std::move(jobs.front());
+  jobs.pop_front();
+  return next;
 }
 
 void WorkerPool::Stop() {
@@ -70,14 +82,14 @@ void WorkerPool::Stop() {
 
 std::size_t WorkerPool::waiting() const {
   const std::lock_guard lock(mutex_);
-  return jobs_.size();
+  return urgent_.size() + jobs_.size();
 }
 
 PoolStats WorkerPool::stats() const {
   const std::lock_guard lock(mutex_);
   const Time now = steady_clock::now();
   PoolStats stats;
-  stats.waiting = jobs_.size();
+  stats.waiting = urgent_.size() + jobs_.size();
   stats.completed = completed_;
   stats.busy = busy_;
   for (const std::optional<Time>& since : running_since_) {
@@ -87,7 +99,11 @@ PoolStats WorkerPool::stats() const {
     stats.oldest_running =
         std::max<std::chrono::duration<double>>(stats.oldest_running, now - *since);
   }
-  if (!jobs_.empty()) stats.oldest_waiting = now - jobs_.front().since;
+  for (const std::deque<Posted>* jobs : {&urgent_, &jobs_}) {
+    if (jobs->empty()) continue;
+    stats.oldest_waiting =
+        std::max<std::chrono::duration<double>>(stats.oldest_waiting, now - jobs->front().since);
+  }
   stats.since_finish = now - last_finish_;
   return stats;
 }
@@ -99,10 +115,9 @@ void WorkerPool::Run(std::size_t thread) {
     Time started;
     {
       std::unique_lock lock(mutex_);
-      wake_.wait(lock, [this] { return stopped_ || !jobs_.empty(); });
-      if (jobs_.empty()) return;
-      next = std::move(jobs_.front());
-      jobs_.pop_front();
+      wake_.wait(lock, [this] { return stopped_ || !urgent_.empty() || !jobs_.empty(); });
+      if (urgent_.empty() && jobs_.empty()) return;
+      next = TakeLocked();
       started = steady_clock::now();
       running_since_[thread] = started;
     }

@@ -32,13 +32,13 @@ struct PoolStats {
   std::uint64_t completed = 0;
   std::chrono::duration<double> busy{};            // of all threads, running jobs included
   std::chrono::duration<double> oldest_running{};  // how long the longest job runs, 0 for none
-  std::chrono::duration<double> oldest_waiting{};  // how long the first in the queue waits
+  std::chrono::duration<double> oldest_waiting{};  // how long the oldest in the queue waits
   std::chrono::duration<double> since_finish{};    // since a job ended, or since the start
 };
 
-// Thread-safe. Jobs start in the order of posting; every accepted job runs exactly once, also when
-// the pool is stopped meanwhile. A job must not throw and must not wait for another job of its
-// pool.
+// Thread-safe. Jobs start in the order of posting, urgent ones before the others; every accepted
+// job runs exactly once, also when the pool is stopped meanwhile. A job must not throw and must not
+// wait for another job of its pool.
 class WorkerPool {
  public:
   using Job = std::function<void()>;
@@ -58,6 +58,10 @@ class WorkerPool {
   // that has begun can end. Who uses it keeps at most one such job waiting. False only after Stop.
   [[nodiscard]] bool Continue(Job job);
 
+  // A job that starts before all that are not urgent and is not refused for a full queue: frames of
+  // streams that were let in, which have one job each. False only after Stop.
+  [[nodiscard]] bool PostUrgent(Job job);
+
   // Refuses new jobs, runs the waiting ones, joins the threads. Harmless when repeated. Not to be
   // called from a job.
   void Stop();
@@ -74,13 +78,15 @@ class WorkerPool {
     Time since;
   };
 
-  bool Post(Job job, bool bounded);
+  bool Post(std::deque<Posted>& jobs, Job job, std::size_t room);
+  Posted TakeLocked();
   void Run(std::size_t thread);
 
   const PoolOptions options_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   // Guarded by mutex_.
+  std::deque<Posted> urgent_;
   std::deque<Posted> jobs_;
   bool stopped_ = false;
   std::vector<std::optional<Time>> running_since_;  // by thread

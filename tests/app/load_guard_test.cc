@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/app/gate.h"
+#include "server/app/stream_pace.h"
 #include "server/app/token_bucket.h"
 
 namespace arap::app {
@@ -60,10 +61,28 @@ TEST(LoadGuardTest, NoLimitRefusesNobody) {
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(guard.Admit(1, Busy(0), kStart));
 }
 
-TEST(LoadGuardTest, LargerMeshesAreExpectedToCostMore) {
-  EXPECT_LT(ExpectedShare(1'000, 0), ExpectedShare(10'000, 0));
-  EXPECT_LT(ExpectedShare(10'000, 0), ExpectedShare(10'000, 3));
-  EXPECT_LT(ExpectedShare(10'000, 0), 1);
+TEST(StreamPaceTest, LargerMeshesAreExpectedToCostMore) {
+  EXPECT_LT(FrameSeconds(1'000, 0), FrameSeconds(10'000, 0));
+  EXPECT_LT(FrameSeconds(10'000, 0), FrameSeconds(10'000, 3));
+  EXPECT_LT(StreamPace(FrameSeconds(10'000, 0), kStart).Share(), 1);
+  EXPECT_EQ(StreamPace(FrameSeconds(1'000'000, 100), kStart).Share(), 1)
+      << "one frame at a time is all that a stream can have";
+}
+
+TEST(StreamPaceTest, CountsAsWhenItWasLastAwake) {
+  StreamPace pace(1e-3, kStart);
+  EXPECT_NEAR(pace.Share(), 0.06, 1e-9) << "nothing is known of it yet";
+  EXPECT_FALSE(pace.Asleep(kStart + milliseconds(1'499)));
+  EXPECT_TRUE(pace.Asleep(kStart + milliseconds(1'500)));
+  // 3 s at 20 updates a second.
+  LoadGuard::Time now = kStart + seconds(10);
+  for (int i = 0; i <= 60; ++i) pace.Update(now + i * milliseconds(50));
+  now += seconds(3);
+  EXPECT_NEAR(pace.Share(), 0.02, 1e-3);
+  EXPECT_FALSE(pace.Asleep(now + milliseconds(100)));
+  // One update now and then is next to nothing.
+  for (int i = 0; i < 5; ++i) pace.Update(now += seconds(2));
+  EXPECT_NEAR(pace.Share(), 1e-3 / 1.5, 1e-9);
 }
 
 TEST(TokenBucketTest, GrantsABurstThenTheRate) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <future>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -56,6 +57,23 @@ TEST(WorkerPoolTest, RefusesWhatDoesNotFit) {
   blocker.Open();
   pool.Stop();
   EXPECT_EQ(runs, 3);
+}
+
+TEST(WorkerPoolTest, UrgentJobsComeFirstAndFindRoom) {
+  WorkerPool pool(1, 2);
+  Blocker blocker(pool);
+  std::string order;
+  EXPECT_TRUE(pool.TryPost([&] { order += "a"; }));
+  EXPECT_TRUE(pool.PostUrgent([&] { order += "1"; }));
+  EXPECT_TRUE(pool.TryPost([&] { order += "b"; }));
+  EXPECT_FALSE(pool.TryPost([] {}));
+  EXPECT_TRUE(pool.PostUrgent([&] { order += "2"; }));
+  EXPECT_EQ(pool.waiting(), 4u);
+  EXPECT_GT(pool.stats().oldest_waiting.count(), 0);
+  blocker.Open();
+  pool.Stop();
+  EXPECT_EQ(order, "12ab");
+  EXPECT_FALSE(pool.PostUrgent([] {}));
 }
 
 TEST(WorkerPoolTest, ThreadsWorkAtTheSameTime) {

@@ -131,6 +131,36 @@ TEST_F(LimitsTest, FramesPerSecondAreAnsweredInTheStream) {
   EXPECT_EQ(stream.ReadShape().sequence(), 5u) << "the stream goes on";
 }
 
+TEST_F(LimitsTest, StreamsThatWakeUpAreAdmittedAgain) {
+  options().limits.max_stream_load = 1e-6;
+  options().lanes = {1, 1, 16};
+  SetUpCorners();
+  DeformStream sleeper(deformation()), busy(deformation());
+  sleeper.Opened("s", "h", v1::DELIVERY_LATEST);
+  clock().Advance(seconds(2));
+  v1::StreamDeformRequest open;
+  open.mutable_open()->set_session_id("s");
+  open.mutable_open()->set_handle_set_id("h");
+  open.mutable_open()->mutable_options()->set_refine(1'000);
+  busy.Send(open);
+  ASSERT_TRUE(busy.Read()->has_opened());
+
+  sleeper.Update(1, Targets());
+  const v1::UpdateError error = sleeper.ReadError();
+  EXPECT_EQ(error.sequence(), 1u);
+  const auto decoded = ExpectError(error.status(), grpc::RESOURCE_EXHAUSTED, "LIMIT_EXCEEDED");
+  EXPECT_EQ(decoded.metadata.at("quota"), "max_stream_load");
+  EXPECT_GT(decoded.retry_seconds, 0);
+  EXPECT_NE(
+      host().engine().metrics.Text().find("arapd_rejected_total{quota=\"max_stream_load\"} 1\n"),
+      std::string::npos);
+
+  // The other one turns out to do nothing.
+  clock().Advance(seconds(2));
+  sleeper.Update(2, Targets());
+  EXPECT_EQ(sleeper.ReadShape().sequence(), 2u);
+}
+
 TEST_F(LimitsTest, IdleStreamsEnd) {
   SetUpCorners();
   DeformStream quiet(deformation()), alive(deformation());

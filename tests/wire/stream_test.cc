@@ -1,4 +1,5 @@
 // StreamDeform over the wire: the protocol, both deliveries, errors, edits, endings.
+#include <future>
 #include <limits>
 #include <thread>
 
@@ -445,18 +446,37 @@ TEST_F(StreamTest, CancelledStreamIsForgotten) {
 TEST_F(StreamTest, FullQueueIsAnsweredInTheStream) {
   DeformStream stream(deformation());
   stream.Opened("s", "h", v1::DELIVERY_LATEST);
+  v1::Handle wide = VertexHandle("w", 12);
+  wide.set_area_radius(1.1);
   {
-    PoolGate gate(host().engine().interactive);
-    while (host().engine().interactive.TryPost([] {})) {
+    PoolGate gate(host().engine().jobs);
+    while (host().engine().jobs.TryPost([] {})) {
     }
-    stream.Update(1, Moved(1));
+    stream.Send(Edit(1, {}, {wide}));
     const v1::UpdateError error = stream.ReadError();
     EXPECT_EQ(error.sequence(), 1u);
     ExpectError(error.status(), grpc::RESOURCE_EXHAUSTED, "OVERLOADED");
   }
-  while (host().engine().interactive.waiting() > 0) std::this_thread::yield();
-  stream.Update(2, {});
-  EXPECT_NEAR(stream.ReadShape().positions(0), 1, 1e-4) << "the targets were taken";
+  while (host().engine().jobs.waiting() > 0) std::this_thread::yield();
+  stream.Send(Edit(2, {}, {wide}));
+  EXPECT_EQ(stream.ReadShape().sequence(), 2u);
+}
+
+TEST_F(StreamTest, FramesGoBeforeTheCallsOfOthers) {
+  DeformStream stream(deformation());
+  stream.Opened("s", "h", v1::DELIVERY_LATEST);
+  std::promise<void> go;
+  const auto call = [went = go.get_future().share()] { went.wait(); };
+  {
+    PoolGate gate(host().engine().interactive);
+    while (host().engine().interactive.TryPost(call)) {
+    }
+    const std::size_t waiting = host().engine().interactive.waiting();
+    stream.Update(1, Moved(1));
+    while (host().engine().interactive.waiting() == waiting) std::this_thread::yield();
+  }
+  EXPECT_EQ(stream.ReadShape().sequence(), 1u) << "the queue is full, and no call has ended yet";
+  go.set_value();
 }
 
 TEST_F(StreamTest, SlowReaderCostsOneFrameAndGetsTheNewest) {
