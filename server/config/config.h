@@ -29,6 +29,8 @@ struct Config {
   double max_ttl_seconds = 86'400;
   double max_stream_idle_seconds = 600;
   double idle_evict_seconds = 600;
+  double keepalive_seconds = 60;
+  double keepalive_timeout_seconds = 20;
   bool no_admin = false;
   bool check = false;  // --check-config
 };

@@ -52,10 +52,11 @@ void AddLimits(CLI::App& app, Config& config) {
       "Handle sets of one owner, in all sessions");
   add("--max-bytes-per-owner", owner.max_bytes, "Bytes of factors and tables of one owner", 1e15);
   add("--max-streams-per-owner", owner.max_streams, "Open streams and tracks of one owner");
-  const auto add_ttl = [&](const char* name, double& value, const char* help) {
+  const auto add_ttl = [&](const char* name, double& value, const char* help,
+                           double largest = kMaxSeconds) {
     app.add_option(name, value, help)
         ->capture_default_str()
-        ->check(CLI::Range(1.0, kMaxSeconds))
+        ->check(CLI::Range(1.0, largest))
         ->group(kLimits);
   };
   add_ttl("--default-ttl-seconds", config.default_ttl_seconds,
@@ -64,6 +65,10 @@ void AddLimits(CLI::App& app, Config& config) {
           "How long a session may ask to live without use");
   add_ttl("--max-stream-idle-seconds", config.max_stream_idle_seconds,
           "How long a stream may say nothing");
+  add_ttl("--keepalive-seconds", config.keepalive_seconds,
+          "After how much silence a client is asked for a sign of life", kDay);
+  add_ttl("--keepalive-timeout-seconds", config.keepalive_timeout_seconds,
+          "How long it may take to give one before it is cut off", kDay);
   add_ttl("--idle-evict-seconds", config.idle_evict_seconds,
           "When the memory of what nobody uses is given back; it is computed again when needed");
 }

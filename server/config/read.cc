@@ -158,6 +158,8 @@ Result<Outcome> Read(const std::vector<std::string>& arguments,
       std::min(Milliseconds(config.default_ttl_seconds), config.host.limits.max_ttl);
   config.host.limits.max_stream_idle = Milliseconds(config.max_stream_idle_seconds);
   config.host.limits.idle_evict = Milliseconds(config.idle_evict_seconds);
+  config.host.keepalive = Milliseconds(config.keepalive_seconds);
+  config.host.keepalive_timeout = Milliseconds(config.keepalive_timeout_seconds);
   if (config.no_admin) config.host.admin.clear();
   outcome.config = config;
   return outcome;

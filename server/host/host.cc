@@ -26,9 +26,6 @@ namespace {
 // A client may ask for a sign of life this often, also without a call. Clients that ping more often
 // than a server allows are cut off, so this is generous.
 constexpr int kMinPingIntervalMs = 1'000;
-// The server asks after this much silence, and gives up after this long without an answer.
-constexpr int kKeepaliveMs = 60'000;
-constexpr int kKeepaliveTimeoutMs = 20'000;
 constexpr std::chrono::milliseconds kHealthPeriod = std::chrono::seconds(1);
 constexpr std::size_t kTrimEvery = 10;  // sweeps
 
@@ -40,11 +37,16 @@ void Configure(const HostOptions& options, grpc::ServerBuilder& builder) {
   // Answers are bounded by the size of the meshes.
   builder.SetMaxSendMessageSize(-1);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  // Else the window of a stream grows while we do not read it, and with it what we hold for a
+  // client that sends on and on. A message that has begun gets the window that it needs anyway.
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
                              kMinPingIntervalMs);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS,
+                             static_cast<int>(options.keepalive.count()));
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS,
+                             static_cast<int>(options.keepalive_timeout.count()));
 }
 
 void LogRecovery(const store::Recovery& recovery) {

@@ -23,6 +23,10 @@ struct HostOptions {
   AccessOptions access;
   // Unless said: when only this machine reaches the server.
   std::optional<bool> reflection;
+  // After this much silence a client is asked for a sign of life, and it is cut off when it gives
+  // none for so long: a peer that is half open must not keep what it holds.
+  std::chrono::milliseconds keepalive = std::chrono::seconds(60);
+  std::chrono::milliseconds keepalive_timeout = std::chrono::seconds(20);
   std::string admin;  // host:port of the admin page (admin_http.h); empty: none
   // How long a lane or the store may stand still before the server is not ready.
   std::chrono::milliseconds stuck_after = std::chrono::seconds(10);

@@ -82,8 +82,10 @@ TEST_F(SlowClientTest, WhoeverNeverReadsCostsAFrameEach) {
     latest.Open(kStreams);
     EXPECT_LT(MostMemory(seconds(5)), before + Megabytes(96));
     EXPECT_GT(every.updates(), kStreams);
-    // What is sent on these is replaced, not kept: the client can send on and on.
-    EXPECT_GT(latest.updates(), every.updates());
+    // What is sent on these is replaced, not kept: the client can send on and on, while the others
+    // have to wait.
+    EXPECT_TRUE(Eventually([&] { return latest.updates() > 2 * every.updates(); }));
+    EXPECT_LT(server_.ResidentBytes(), before + Megabytes(96));
     EXPECT_TRUE(bystander.GoesOn());
     EXPECT_EQ(every.ended() + latest.ended(), 0u);
   }
@@ -128,6 +130,23 @@ TEST_F(SlowClientTest, AHalfOpenPeerHoldsNobodyUp) {
   Bystander bystander(server_.address());
   EXPECT_TRUE(bystander.GoesOn(200));
   EXPECT_TRUE(FaultClient(server_.address()).CreateSession("new").ok());
+}
+
+// A stopped process does not answer HTTP/2's pings, while its kernel goes on acknowledging bytes.
+TEST(KeepaliveTest, AHalfOpenPeerIsCutOff) {
+  ServerProcess server({"--keepalive-seconds", "1", "--keepalive-timeout-seconds", "1"});
+  ASSERT_TRUE(server.Start());
+  FaultClient(server.address()).SetUp(kSize);
+  ChildProcess client;
+  ASSERT_TRUE(client.Launch({STOPPED_CLIENT, server.address()}, server.folder() / "client"));
+  ASSERT_TRUE(client.ReadLine("shape ", seconds(20)));
+  const auto ended = [&] {
+    return server.Log().find("rpc=StreamDeform owner=anonymous session=s code=") !=
+           std::string::npos;
+  };
+  EXPECT_FALSE(ended());
+  client.Signal(SIGSTOP);
+  EXPECT_TRUE(Eventually(ended));
 }
 
 }  // namespace
