@@ -10,16 +10,25 @@ namespace arap::client {
 using internal::Append;
 using internal::ToWire;
 
-Result<DeformStream> Session::OpenStream(const std::string& handle_set_id, Delivery delivery,
-                                         const DeformOptions& options,
+Result<DeformStream> Session::OpenStream(const std::string& handle_set_id,
+                                         const StreamOptions& options,
                                          const CallOptions& call) const {
   v1::OpenStream open;
   open.set_session_id(id_);
   open.set_handle_set_id(handle_set_id);
-  open.set_delivery(delivery == Delivery::kEvery ? v1::DELIVERY_EVERY : v1::DELIVERY_LATEST);
-  ToWire(options, open.mutable_options());
-  auto impl = std::make_unique<DeformStream::Impl>(channel_, call, id_);
-  return impl->Open(open).map([&] { return DeformStream(std::move(impl)); });
+  open.set_delivery(options.delivery == Delivery::kEvery ? v1::DELIVERY_EVERY
+                                                         : v1::DELIVERY_LATEST);
+  ToWire(options.deform, open.mutable_options());
+  auto impl = std::make_unique<DeformStream::Impl>(channel_, options, call, std::move(open));
+  return impl->Open().map([&] { return DeformStream(std::move(impl)); });
+}
+
+Result<DeformStream> Session::OpenStream(const std::string& handle_set_id, Delivery delivery,
+                                         const DeformOptions& options,
+                                         const CallOptions& call) const {
+  StreamOptions quiet{delivery, options};
+  quiet.heartbeat = {};
+  return OpenStream(handle_set_id, quiet, call);
 }
 
 DeformStream::DeformStream(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -36,7 +45,7 @@ Status DeformStream::Send(const HandleUpdate& update) {
   for (const HandleTarget& target : update.targets) ToWire(target, out.add_targets());
   Append(std::span(update.positions), out.mutable_positions());
   Append(std::span(update.pick_points), out.mutable_pick_points());
-  return impl_->Write(request);
+  return impl_->Send(std::move(request));
 }
 
 Status DeformStream::Edit(std::uint64_t sequence, std::span<const std::string> remove,
@@ -46,16 +55,12 @@ Status DeformStream::Edit(std::uint64_t sequence, std::span<const std::string> r
   out.set_sequence(sequence);
   out.mutable_remove()->Add(remove.begin(), remove.end());
   for (const Handle& handle : add) ToWire(handle, out.add_add());
-  return impl_->Write(request);
+  return impl_->Send(std::move(request));
 }
 
-Status DeformStream::Ping(std::uint64_t nonce) {
-  v1::StreamDeformRequest request;
-  request.mutable_ping()->set_nonce(nonce);
-  return impl_->Write(request);
-}
+Status DeformStream::Ping(std::uint64_t nonce) { return impl_->Ping(nonce); }
 
-Status DeformStream::CloseSending() { return impl_->WritesDone(); }
+Status DeformStream::CloseSending() { return impl_->CloseSending(); }
 
 Result<std::optional<StreamEvent>> DeformStream::Read() { return impl_->Read(); }
 

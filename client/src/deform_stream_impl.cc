@@ -1,94 +1,220 @@
 #include "client/src/deform_stream_impl.h"
 
+#include <algorithm>
 #include <utility>
+
+#include <fmt/format.h>
 
 namespace arap::client {
 
 using internal::FaultOf;
 using internal::FromWire;
 
-DeformStream::Impl::Impl(std::shared_ptr<internal::Channel> channel, const CallOptions& call,
-                         const std::string& session_id)
-    : channel_(std::move(channel)) {
-  internal::Prepare(context_, call, session_id);
-  stream_ = channel_->deformation().StreamDeform(&context_);
+namespace {
+
+std::optional<std::chrono::system_clock::time_point> DeadlineOf(const CallOptions& call) {
+  if (!call.timeout) return std::nullopt;
+  return std::chrono::system_clock::now() + *call.timeout;
 }
 
-DeformStream::Impl::~Impl() {
-  // gRPC wants every call finished, and a finish waits for the messages before it.
-  if (end_) return;
-  context_.TryCancel();
-  v1::StreamDeformResponse response;
-  while (Next(response)) {
+auto Over() { return Fail(FaultKind::kProtocol, "the stream is over; reading tells why"); }
+
+}  // namespace
+
+DeformStream::Impl::Impl(std::shared_ptr<internal::Channel> channel, const StreamOptions& options,
+                         const CallOptions& call, v1::OpenStream open)
+    : channel_(std::move(channel)),
+      options_(options),
+      deadline_(DeadlineOf(call)),
+      open_message_(std::move(open)) {
+  if (resumes()) log_.emplace(options_.delivery == Delivery::kLatest);
+  if (options_.heartbeat.count() > 0) {
+    watch_ = std::jthread([this](const std::stop_token& stop) { Watch(stop); });
   }
 }
 
-Status DeformStream::Impl::Open(const v1::OpenStream& open) {
-  v1::StreamDeformRequest request;
-  *request.mutable_open() = open;
-  // The end of the stream explains a failed write.
-  (void)Write(request);
-  v1::StreamDeformResponse response;
-  if (!Next(response)) {
-    if (!*end_) return *end_;
-    return Fail(FaultKind::kInternal, "the server ended the stream without opening it");
-  }
-  if (!response.has_opened()) {
-    return Fail(FaultKind::kInternal, "the server answered before it opened the stream");
-  }
-  handle_set_ = FromWire(response.opened().handle_set());
+DeformStream::Impl::~Impl() { Cancel(); }
+
+Status DeformStream::Impl::Open() {
+  bool lost = false;
+  auto opened = OpenCall(&lost);
+  if (!opened) return Fail(std::move(opened.error()));
+  handle_set_ = *std::move(opened);
+  const std::lock_guard lock(mutex_);
+  open_ = true;
+  asked_ = Clock::now();
   return {};
 }
 
-Status DeformStream::Impl::Write(const v1::StreamDeformRequest& request) {
-  const std::lock_guard lock(write_mutex_);
+Status DeformStream::Impl::Send(v1::StreamDeformRequest request) {
+  std::unique_lock lock(mutex_);
   if (sending_closed_) return Fail(FaultKind::kProtocol, "sending on this stream was closed");
-  if (finished_ || !stream_->Write(request)) {
-    return Fail(FaultKind::kProtocol, "the stream is over; reading tells why");
+  if (options_.delivery == Delivery::kEvery) {
+    changed_.wait(lock, [this] { return open_ || end_ || cancelled_; });
   }
+  if (end_ || cancelled_) return Over();
+  if (log_) log_->Sent(request);
+  if (!open_) return {};
+  const std::shared_ptr<Call> call = call_;
+  call->Push(std::move(request));
+  lock.unlock();
+  // What a lost call has not sent is said again on the next one.
+  if (!call->WaitSent() && !resumes()) return Over();
   return {};
 }
 
-Status DeformStream::Impl::WritesDone() {
-  const std::lock_guard lock(write_mutex_);
-  if (sending_closed_) return {};
-  sending_closed_ = true;
-  if (finished_ || !stream_->WritesDone()) {
-    return Fail(FaultKind::kProtocol, "the stream is over; reading tells why");
-  }
+Status DeformStream::Impl::Ping(std::uint64_t nonce) {
+  const std::lock_guard lock(mutex_);
+  if (sending_closed_) return Fail(FaultKind::kProtocol, "sending on this stream was closed");
+  if (end_ || cancelled_) return Over();
+  PushPing(nonce);
   return {};
 }
 
-bool DeformStream::Impl::Next(v1::StreamDeformResponse& response) {
-  if (end_) return false;
-  if (stream_->Read(&response)) return true;
-  const std::lock_guard lock(write_mutex_);
-  finished_ = true;
-  const grpc::Status status = stream_->Finish();
-  end_.emplace();
-  if (!status.ok()) *end_ = Fail(FaultOf(status));
-  return false;
+void DeformStream::Impl::PushPing(std::optional<std::uint64_t> nonce) {
+  pings_.push_back(nonce);
+  asked_ = Clock::now();
+  if (!open_) return;
+  v1::StreamDeformRequest request;
+  request.mutable_ping()->set_nonce(nonce.value_or(0));
+  call_->Push(std::move(request));
+}
+
+Status DeformStream::Impl::CloseSending() {
+  const std::lock_guard lock(mutex_);
+  if (std::exchange(sending_closed_, true)) return {};
+  if (end_ || cancelled_) return Over();
+  if (open_) call_->PushEnd();
+  return {};
+}
+
+void DeformStream::Impl::Cancel() {
+  const std::lock_guard lock(mutex_);
+  cancelled_ = true;
+  if (call_) call_->Cancel();
+  changed_.notify_all();
+}
+
+void DeformStream::Impl::End(Status status) {
+  const std::lock_guard lock(mutex_);
+  end_ = std::move(status);
+  open_ = false;
+  changed_.notify_all();
+}
+
+bool DeformStream::Impl::Next(Call& call, v1::StreamDeformResponse* response) {
+  const auto wait = [this](bool waiting) {
+    const std::lock_guard lock(mutex_);
+    waiting_ = waiting;
+    heard_ = Clock::now();
+  };
+  wait(true);
+  const bool got = call.Read(response);
+  wait(false);
+  return got;
+}
+
+Status DeformStream::Impl::EndOf(const Call& call, bool* lost) {
+  const std::lock_guard lock(mutex_);
+  *lost = silent_ || internal::IsLost(call.status());
+  if (*lost && cancelled_) {
+    *lost = false;
+    return Fail(FaultKind::kCancelled, "the stream was cancelled");
+  }
+  if (*lost && silent_) {
+    Fault fault{FaultKind::kDraining,
+                fmt::format("Nothing was heard from the server for {:g} s.",
+                            std::chrono::duration<double>(options_.silence).count()),
+                {},
+                {},
+                {}};
+    return Fail(fault.Detail(std::string(kGrpcCodeDetail), "UNAVAILABLE"));
+  }
+  if (!call.status().ok()) return Fail(FaultOf(call.status()));
+  return {};
 }
 
 Result<std::optional<StreamEvent>> DeformStream::Impl::Read() {
-  v1::StreamDeformResponse response;
-  if (!Next(response)) {
-    if (!*end_) return Fail(end_->error());
-    return std::optional<StreamEvent>();
+  for (;;) {
+    std::shared_ptr<Call> call;
+    {
+      const std::lock_guard lock(mutex_);
+      if (end_ && !*end_) return Fail(end_->error());
+      if (end_) return std::optional<StreamEvent>();
+      call = call_;
+    }
+    v1::StreamDeformResponse response;
+    if (Next(*call, &response)) {
+      auto event = EventOf(response);
+      if (!event) {
+        call->Cancel();
+        End(Fail(event.error()));
+      }
+      if (!event || *event) return event;
+      continue;
+    }
+    bool lost = false;
+    Status end = EndOf(*call, &lost);
+    call.reset();
+    if (lost && resumes()) {
+      auto resumed = Resume();
+      if (resumed) return std::optional<StreamEvent>(*std::move(resumed));
+      end = Fail(std::move(resumed.error()));
+    }
+    End(std::move(end));
   }
+}
+
+Result<std::optional<StreamEvent>> DeformStream::Impl::EventOf(
+    const v1::StreamDeformResponse& response) {
+  const auto known = [this](std::uint64_t sequence, bool good) {
+    const std::lock_guard lock(mutex_);
+    return log_ && !log_->Answered(sequence, good);
+  };
   switch (response.payload_case()) {
     case v1::StreamDeformResponse::kShape:
+      if (known(response.shape().sequence(), true)) return std::optional<StreamEvent>();
       return std::optional<StreamEvent>(FromWire(response.shape()));
-    case v1::StreamDeformResponse::kError:
-      return std::optional<StreamEvent>(
-          UpdateError{response.error().sequence(), FaultOf(response.error().status())});
+    case v1::StreamDeformResponse::kError: {
+      Fault fault = FaultOf(response.error().status());
+      // What had worked does not work again: the shapes would be others.
+      if (known(response.error().sequence(), false)) return Fail(std::move(fault));
+      return std::optional<StreamEvent>(UpdateError{response.error().sequence(), std::move(fault)});
+    }
     case v1::StreamDeformResponse::kPong:
-      return std::optional<StreamEvent>(Pong{response.pong().nonce()});
+      return TakePong();
     case v1::StreamDeformResponse::kOpened:
     case v1::StreamDeformResponse::PAYLOAD_NOT_SET:
       break;
   }
   return Fail(FaultKind::kInternal, "the server sent a message that does not belong here");
+}
+
+std::optional<StreamEvent> DeformStream::Impl::TakePong() {
+  const std::lock_guard lock(mutex_);
+  if (pings_.empty()) return std::nullopt;
+  const std::optional<std::uint64_t> nonce = pings_.front();
+  pings_.pop_front();
+  if (!nonce) return std::nullopt;
+  return Pong{*nonce};
+}
+
+void DeformStream::Impl::Watch(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  const auto tick =
+      std::max(std::min(options_.heartbeat, options_.silence) / 2, std::chrono::milliseconds(1));
+  while (!changed_.wait_for(lock, stop, tick, [&] { return stop.stop_requested(); })) {
+    if (!call_ || end_ || cancelled_) continue;
+    const auto now = Clock::now();
+    if (waiting_ && now - heard_ >= options_.silence) {
+      silent_ = true;
+      call_->Cancel();
+      continue;
+    }
+    const bool asking = std::any_of(pings_.begin(), pings_.end(), [](auto& p) { return !p; });
+    if (!open_ || asking || sending_closed_) continue;
+    if (now - (waiting_ ? heard_ : asked_) >= options_.heartbeat) PushPing(std::nullopt);
+  }
 }
 
 }  // namespace arap::client

@@ -1,45 +1,86 @@
-// What a DeformStream holds.
+// What a DeformStream holds: the call of the moment, and what outlives it.
 #pragma once
 
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
+#include <thread>
 
 #include "client/src/channel.h"
 #include "client/src/convert.h"
+#include "client/src/replay_log.h"
+#include "client/src/stream_call.h"
 
 namespace arap::client {
 
+// The reader's thread opens calls, the first and those after a loss; senders push on the call of
+// the moment; a thread of its own asks for signs of life.
 class DeformStream::Impl {
  public:
-  Impl(std::shared_ptr<internal::Channel> channel, const CallOptions& call,
-       const std::string& session_id);
+  Impl(std::shared_ptr<internal::Channel> channel, const StreamOptions& options,
+       const CallOptions& call, v1::OpenStream open);
   ~Impl();
 
-  // Sends the opening message and waits for its answer. Once, first.
-  Status Open(const v1::OpenStream& open);
-  Status Write(const v1::StreamDeformRequest& request);
-  Status WritesDone();
+  // Opens the first call. Once, first.
+  Status Open();
+  Status Send(v1::StreamDeformRequest request);
+  Status Ping(std::uint64_t nonce);
+  Status CloseSending();
   Result<std::optional<StreamEvent>> Read();
-  void Cancel() { context_.TryCancel(); }
+  void Cancel();
 
   const HandleSetInfo& handle_set() const { return handle_set_; }
 
  private:
-  // The next message; empty when the server has ended the stream, and then `end_` is set.
-  bool Next(v1::StreamDeformResponse& response);
+  using Call = internal::StreamCall;
+  using Clock = std::chrono::steady_clock;
 
-  std::shared_ptr<internal::Channel> channel_;  // outlives the call
-  grpc::ClientContext context_;
-  std::unique_ptr<grpc::ClientReaderWriter<v1::StreamDeformRequest, v1::StreamDeformResponse>>
-      stream_;
+  bool resumes() const { return options_.resume_within.count() > 0; }
+  // A new call, opened by the server; its handle set. It is the call of the moment, but nothing is
+  // pushed on it before open_. `lost` as EndOf.
+  Result<HandleSetInfo> OpenCall(bool* lost);
+  // The next message, with the silence watched. False when the call is over.
+  bool Next(Call& call, v1::StreamDeformResponse* response);
+  // How a call that is over has ended, and whether it was lost.
+  Status EndOf(const Call& call, bool* lost);
+  // The event of a message; nothing when it is not the user's.
+  Result<std::optional<StreamEvent>> EventOf(const v1::StreamDeformResponse& response);
+  std::optional<StreamEvent> TakePong();
+  // Opens again after a loss, for as long as the options say. The event, or the last fault.
+  Result<StreamEvent> Resume();
+  bool Pause(std::chrono::milliseconds pause);  // false when cancelled
+  void SayAgain();                              // with mutex_ held
+  void End(Status status);
+  void Watch(const std::stop_token& stop);
+  void PushPing(std::optional<std::uint64_t> nonce);  // with mutex_ held
+
+  const std::shared_ptr<internal::Channel> channel_;  // outlives the calls
+  const StreamOptions options_;
+  const std::optional<std::chrono::system_clock::time_point> deadline_;
+  const v1::OpenStream open_message_;
   HandleSetInfo handle_set_;  // set by Open, then constant
 
-  std::mutex write_mutex_;  // one write in flight, and none once the call is finished
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  // All below is guarded by mutex_.
+  std::shared_ptr<Call> call_;
+  bool open_ = false;  // call_ may be pushed on
   bool sending_closed_ = false;
-  bool finished_ = false;
+  bool cancelled_ = false;
+  std::optional<internal::ReplayLog> log_;          // when it resumes
+  std::deque<std::optional<std::uint64_t>> pings_;  // without answer; our own have no nonce
+  bool waiting_ = false;                            // somebody reads
+  bool silent_ = false;                             // for so long that call_ was given up
+  Clock::time_point heard_;                         // while waiting_, since when nothing was heard
+  Clock::time_point asked_;                         // for a sign of life, or the opening
+  std::optional<Status> end_;                       // how the stream ended
 
-  std::optional<Status> end_;  // how the stream ended; the reader's alone
+  std::jthread watch_;  // last: it uses all of the above
 };
 
 }  // namespace arap::client

@@ -84,5 +84,22 @@ Fault FaultOf(const grpc::Status& status) {
   return FaultOf(message);
 }
 
+bool IsLost(const grpc::Status& status) {
+  const auto says = [&](std::string_view words) {
+    return status.error_message().find(words) != std::string::npos;
+  };
+  switch (status.error_code()) {
+    case grpc::StatusCode::UNAVAILABLE:
+    case grpc::StatusCode::CANCELLED:  // a server that stops, haproxy
+      return true;
+    case grpc::StatusCode::UNKNOWN:
+      return says("No status received");
+    case grpc::StatusCode::INTERNAL:
+      return says("RST_STREAM");
+    default:
+      return false;
+  }
+}
+
 }  // namespace internal
 }  // namespace arap::client

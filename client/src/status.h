@@ -16,6 +16,10 @@ Fault FaultOf(const grpc::Status& status);
 // The same for a status inside a message.
 Fault FaultOf(const google::rpc::Status& status);
 
+// Whether a stream that ended so, and that we did not cancel, was lost and may go on elsewhere: its
+// server is gone or going away, or a proxy says so in its own words.
+bool IsLost(const grpc::Status& status);
+
 // The kind of ErrorInfo.reason, as in "DEGENERATE_TRIANGLE"; empty for one that we do not know.
 std::optional<FaultKind> KindOfReason(std::string_view reason);
 // The kind of a status that names no reason.

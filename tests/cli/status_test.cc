@@ -111,5 +111,18 @@ TEST(StatusToFault, BrokenDetailsDoNotHideTheMessage) {
   EXPECT_EQ(fault.message, "gone");
 }
 
+TEST(Lost, IsWhatTheServersEndLooksLikeAlsoBehindProxies) {
+  using enum grpc::StatusCode;
+  EXPECT_TRUE(IsLost({UNAVAILABLE, "Socket closed"}));
+  EXPECT_TRUE(IsLost({UNKNOWN, "No status received"}));
+  EXPECT_TRUE(IsLost({INTERNAL, "Received RST_STREAM with error code 2"}));
+  EXPECT_TRUE(IsLost({CANCELLED, "Received RST_STREAM with error code 8"}));
+  EXPECT_FALSE(IsLost({UNKNOWN, "something else"}));
+  EXPECT_FALSE(IsLost({INTERNAL, "a bug"}));
+  EXPECT_TRUE(IsLost({CANCELLED, "CANCELLED"}));
+  EXPECT_FALSE(IsLost({NOT_FOUND, ""}));
+  EXPECT_FALSE(IsLost(grpc::Status::OK));
+}
+
 }  // namespace
 }  // namespace arap::client::internal

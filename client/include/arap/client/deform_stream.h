@@ -1,5 +1,12 @@
 // DeformStream: live deformation. Updates go out, shapes come back, in the order of the updates.
 //
+// A stream that is asked to resume (stream_options.h) survives its server: Read opens it again, on
+// whichever server answers, says again what the new one has to know (targets, the stream's own
+// edits, whatever has no answer yet), and answers Resumed. The shapes that follow are those of an
+// uninterrupted stream, and no answer comes twice. Somebody has to Read for that. Meanwhile sends
+// to a kLatest stream are kept, newer ones in the place of older ones, and sends to a kEvery stream
+// wait. Memory: what has no answer yet, and a target per handle and edit.
+//
 // Threads: one thread may Read while others send; senders are put in a row. Cancel may be called
 // from any thread. Everything else is for one thread at a time. Move-only; the destructor cancels a
 // stream that was not read to its end, so stop other threads first.
@@ -16,14 +23,9 @@
 #include "arap/client/error.h"
 #include "arap/client/handles.h"
 #include "arap/client/shape.h"
+#include "arap/client/stream_options.h"
 
 namespace arap::client {
-
-// Which updates are answered.
-enum class Delivery {
-  kLatest,  // a new update replaces one that has not started; for interaction
-  kEvery,   // every update is answered; for baking
-};
 
 // Moves handles. Give either targets or positions.
 struct HandleUpdate {
@@ -44,7 +46,13 @@ struct Pong {
   std::uint64_t nonce = 0;
 };
 
-using StreamEvent = std::variant<Shape, UpdateError, Pong>;
+// The stream was lost and goes on, perhaps on another server.
+struct Resumed {
+  HandleSetInfo handle_set;  // as it was opened again, before the stream's own edits
+  std::uint32_t attempts = 0;
+};
+
+using StreamEvent = std::variant<Shape, UpdateError, Pong, Resumed>;
 
 class DeformStream {
  public:
@@ -66,8 +74,8 @@ class DeformStream {
   // Says that nothing more will be sent. The server answers what is pending and ends the stream.
   Status CloseSending();
 
-  // Waits for the next event. Empty: the stream ended well. A fault: it is broken; reads after
-  // either repeat it.
+  // Waits for the next event. Empty: the stream ended well. A fault: it is broken, or could not be
+  // resumed in time; reads after either repeat it.
   Result<std::optional<StreamEvent>> Read();
 
   // Ends the stream at once; a waiting Read answers kCancelled.

@@ -83,6 +83,9 @@ class Session {
 
   // Opens a live stream and waits until the server has opened it. The timeout of `call` is that of
   // the whole stream.
+  Result<DeformStream> OpenStream(const std::string& handle_set_id, const StreamOptions& options,
+                                  const CallOptions& call = {}) const;
+  // The same without heartbeat.
   Result<DeformStream> OpenStream(const std::string& handle_set_id, Delivery delivery,
                                   const DeformOptions& options, const CallOptions& call = {}) const;
 

@@ -1,0 +1,81 @@
+#include "client/src/replay_log.h"
+
+#include <utility>
+
+namespace arap::client::internal {
+namespace {
+
+std::uint64_t SequenceOf(const v1::StreamDeformRequest& request) {
+  return request.has_edit() ? request.edit().sequence() : request.update().sequence();
+}
+
+v1::HandleUpdate& NewUpdate(std::uint64_t sequence, std::vector<v1::StreamDeformRequest>& out) {
+  v1::HandleUpdate& update = *out.emplace_back().mutable_update();
+  update.set_sequence(sequence);
+  return update;
+}
+
+void SayTargets(const std::map<std::string, v1::HandleTarget>& targets, std::uint64_t sequence,
+                std::vector<v1::StreamDeformRequest>& out) {
+  if (targets.empty()) return;
+  v1::HandleUpdate& update = NewUpdate(sequence, out);
+  for (const auto& [id, target] : targets) *update.add_targets() = target;
+}
+
+}  // namespace
+
+void ReplayLog::Pose::Add(const v1::HandleUpdate& update) {
+  sequence = update.sequence();
+  if (update.positions_size() > 0) {
+    for (auto& [id, target] : std::exchange(after, {})) before[id] = std::move(target);
+    positions.assign(update.positions().begin(), update.positions().end());
+  }
+  for (const v1::HandleTarget& target : update.targets()) after[target.handle_id()] = target;
+}
+
+void ReplayLog::Pose::Say(std::vector<v1::StreamDeformRequest>& out) const {
+  SayTargets(before, sequence, out);
+  if (!positions.empty()) {
+    NewUpdate(sequence, out).mutable_positions()->Add(positions.begin(), positions.end());
+  }
+  SayTargets(after, sequence, out);
+}
+
+void ReplayLog::Sent(const v1::StreamDeformRequest& request) {
+  pending_.push_back(request);
+  if (!latest_ || pending_.size() <= kMostPending || pending_.front().has_edit()) return;
+  Keep(std::move(pending_.front()));
+  pending_.pop_front();
+}
+
+bool ReplayLog::Answered(std::uint64_t sequence, bool good) {
+  if (sequence <= answered_) return false;
+  answered_ = sequence;
+  while (!pending_.empty() && SequenceOf(pending_.front()) <= sequence) {
+    v1::StreamDeformRequest request = std::move(pending_.front());
+    pending_.pop_front();
+    if (good || SequenceOf(request) < sequence) Keep(std::move(request));
+  }
+  return true;
+}
+
+void ReplayLog::Keep(v1::StreamDeformRequest&& request) {
+  if (request.has_edit()) {
+    edits_.push_back({std::exchange(pose_, {}), std::move(request)});
+  } else {
+    pose_.Add(request.update());
+  }
+}
+
+std::vector<v1::StreamDeformRequest> ReplayLog::Messages() const {
+  std::vector<v1::StreamDeformRequest> messages;
+  for (const Edited& edited : edits_) {
+    edited.before.Say(messages);
+    messages.push_back(edited.edit);
+  }
+  pose_.Say(messages);
+  messages.insert(messages.end(), pending_.begin(), pending_.end());
+  return messages;
+}
+
+}  // namespace arap::client::internal

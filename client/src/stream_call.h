@@ -1,0 +1,76 @@
+// StreamCall: one StreamDeform call, from its start to its end.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+
+#include <grpcpp/grpcpp.h>
+
+#include "client/src/channel.h"
+
+namespace arap::client::internal {
+
+// Thread-safe; one thread at a time may Read. Nothing is read ahead of Read, so that who does not
+// read holds up the server and not this machine's memory.
+class StreamCall final
+    : public grpc::ClientBidiReactor<v1::StreamDeformRequest, v1::StreamDeformResponse> {
+ public:
+  using Request = v1::StreamDeformRequest;
+  using Response = v1::StreamDeformResponse;
+
+  // Starts the call; `prepare` sets up its context.
+  template <class Prepare>
+  StreamCall(Channel& channel, const Prepare& prepare) {
+    prepare(context_);
+    channel.deformation().async()->StreamDeform(&context_, this);
+    AddHold();
+    StartCall();
+  }
+  // Cancels a call that has not ended, and waits for its end.
+  ~StreamCall() override;
+  StreamCall(const StreamCall&) = delete;
+  StreamCall& operator=(const StreamCall&) = delete;
+
+  // Sends behind what was pushed before, without waiting. Harmless when the call is over.
+  void Push(Request request);
+  // The same for the end of sending.
+  void PushEnd();
+  // Waits until everything pushed is with the transport, which is HTTP/2's back-pressure. False
+  // when the call is over.
+  bool WaitSent();
+
+  // Waits for the next message. False when the call has ended: then status() tells how.
+  bool Read(Response* response);
+  // After Read has said false.
+  const grpc::Status& status() const { return status_; }
+
+  void Cancel() { context_.TryCancel(); }
+
+ private:
+  void OnReadDone(bool ok) override;
+  void OnWriteDone(bool ok) override;
+  void OnDone(const grpc::Status& status) override;
+
+  // With mutex_ held.
+  void WriteNext();
+  void EndReading();
+
+  grpc::ClientContext context_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  // All below is guarded by mutex_.
+  std::deque<Request> unsent_;  // the first one is being written while writing_
+  bool writing_ = false;
+  bool end_wanted_ = false;  // of sending
+  bool end_sent_ = false;
+  bool broken_ = false;  // a write has failed
+  Response incoming_;    // gRPC's while reading_
+  bool reading_ = false;
+  bool got_ = false;   // incoming_ is to be taken
+  bool over_ = false;  // nothing may be started any more
+  bool done_ = false;
+  grpc::Status status_;  // set with done_
+};
+
+}  // namespace arap::client::internal
