@@ -26,6 +26,7 @@ struct LoadOptions {
   double seconds = 10;
   std::size_t vertices = 1000;
   std::size_t handles = 8;
+  std::size_t refine = 0;
   double fps = 0;
   std::string json;
 };
@@ -43,6 +44,7 @@ void Merge(LoadSamples&& from, LoadSamples& to) {
   append(from.round_trip_micros, to.round_trip_micros);
   append(from.queue_micros, to.queue_micros);
   append(from.solve_micros, to.solve_micros);
+  append(from.refused_micros, to.refused_micros);
   for (const auto& [reason, count] : from.errors) to.errors[reason] += count;
   if (to.first_error.empty()) to.first_error = std::move(from.first_error);
 }
@@ -59,6 +61,7 @@ Result<LoadResult> Load(const LoadOptions& options) {
   LoadPlan plan = MakeLoadPlan(options.vertices, options.handles,
                                std::chrono::duration<double>(options.seconds));
   plan.fps = options.fps;
+  plan.deform.refine = static_cast<std::uint32_t>(options.refine);
   std::vector<LoadSamples> samples(options.streams);
   std::latch start(static_cast<std::ptrdiff_t>(options.streams) + 1);
   std::vector<std::jthread> threads;
@@ -96,16 +99,28 @@ Status Report(const LoadOptions& options, const LoadResult& result) {
   fmt::print(
       "queue        p50 {:.0f} µs, p99 {:.0f} µs\nsolve        p50 {:.0f} µs, p99 {:.0f} µs\n",
       queue.p50, queue.p99, solve.p50, solve.p99);
+  if (!samples.refused_micros.empty()) {
+    const Percentiles refused = PercentilesOf(samples.refused_micros);
+    fmt::print("no room      {} streams, told after p50 {:.0f} µs, max {:.0f} µs\n",
+               samples.refused_micros.size(), refused.p50, refused.max);
+  }
   for (const auto& [reason, count] : samples.errors)
     fmt::print("error        {} × {}\n", reason, count);
   if (samples.errors.empty()) fmt::print("errors       none\n");
   if (options.json.empty()) return {};
   const nlohmann::ordered_json json{
-      {"streams", options.streams},    {"connections", options.connections},
-      {"vertices", result.vertices},   {"handles", options.handles},
-      {"seconds", result.seconds},     {"updates", updates},
-      {"updates_per_second", rate},    {"round_trip_micros", ToJson(round_trip)},
-      {"queue_micros", ToJson(queue)}, {"solve_micros", ToJson(solve)},
+      {"streams", options.streams},
+      {"connections", options.connections},
+      {"vertices", result.vertices},
+      {"handles", options.handles},
+      {"seconds", result.seconds},
+      {"updates", updates},
+      {"updates_per_second", rate},
+      {"round_trip_micros", ToJson(round_trip)},
+      {"queue_micros", ToJson(queue)},
+      {"solve_micros", ToJson(solve)},
+      {"streams_refused", samples.refused_micros.size()},
+      {"refused_micros", ToJson(PercentilesOf(samples.refused_micros))},
       {"errors", samples.errors}};
   return WriteTextFile(options.json, json.dump(2) + "\n");
 }
@@ -139,6 +154,7 @@ void AddLoad(CLI::App& app, Run& run) {
   add("--connections", options->connections, 1, 1000, "connections that the streams share");
   add("--vertices", options->vertices, 4, 1e7, "about so many vertices of the mesh");
   add("--handles", options->handles, 1, 1000, "handles on it");
+  add("--refine", options->refine, 0, 1000, "further iterations of every update");
   command->add_option("--seconds", options->seconds, "how long to send; default 10")
       ->check(CLI::Range(0.01, 1e6).description(""))
       ->option_text("S");

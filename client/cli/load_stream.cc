@@ -74,12 +74,18 @@ const client::Shape* CheckReply(const Result<std::optional<client::StreamEvent>>
 }
 
 Result<client::DeformStream> OpenStream(const client::Session& session, const LoadPlan& plan,
-                                        const client::CallOptions& call) {
+                                        const client::CallOptions& call, LoadSamples& samples) {
   const auto mesh = session.RegisterMesh(plan.mesh, {}, {}, call);
   if (!mesh) return Fail(mesh.error());
   const auto set = session.CompileHandles(kLoadSet, mesh->mesh.id, plan.handles, call);
   if (!set) return Fail(set.error());
-  return session.OpenStream(kLoadSet, plan.delivery, {}, call);
+  const Clock::time_point asked = Clock::now();
+  auto stream = session.OpenStream(kLoadSet, plan.delivery, plan.deform, call);
+  const std::chrono::duration<double, std::micro> took = Clock::now() - asked;
+  if (!stream && stream.error().kind == FaultKind::kLimitExceeded) {
+    samples.refused_micros.push_back(took.count());
+  }
+  return stream;
 }
 
 void Drive(client::DeformStream& stream, const LoadPlan& plan, std::size_t index,
@@ -124,7 +130,7 @@ LoadSamples RunLoadStream(const client::Client& client, const LoadPlan& plan, st
   std::optional<client::DeformStream> stream;
   if (!session) {
     Note(session.error(), samples);
-  } else if (Result<client::DeformStream> opened = OpenStream(*session, plan, call)) {
+  } else if (Result<client::DeformStream> opened = OpenStream(*session, plan, call, samples)) {
     stream = std::move(*opened);
   } else {
     Note(opened.error(), samples);

@@ -21,6 +21,7 @@ struct LoadPlan {
   double reach = 0;           // how far a target strays from its rest position
   std::chrono::duration<double> length{0};
   client::Delivery delivery = client::Delivery::kEvery;
+  client::DeformOptions deform;
   double fps = 0;  // updates a second; 0: as fast as they are answered
 };
 
@@ -32,6 +33,7 @@ struct LoadSamples {
   std::vector<double> round_trip_micros;
   std::vector<double> queue_micros;
   std::vector<double> solve_micros;
+  std::vector<double> refused_micros;           // how long it took to be told that there is no room
   std::map<std::string, std::uint64_t> errors;  // by reason
   std::string first_error;                      // a sentence, or empty
 };

@@ -47,6 +47,7 @@ Engine::Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::
 
 Status Engine::Sweep() {
   streams.Sweep(clock.SteadyNow());
+  load.Look(interactive.stats().busy, clock.SteadyNow());
   derived.EvictIdle(limits.idle_evict);
   if (auto swept = sessions.Sweep(); !swept) return swept;
   const auto now = clock.SteadyNow();

@@ -39,7 +39,7 @@ struct Limits {
   std::size_t max_compilations = 256;             // edits too
   std::size_t max_flattenings = 64;
   double max_stream_fps = 10'000;  // updates a second on one stream, 0: any number
-  double max_stream_load = 0.75;   // part of the interactive lane's time, 0: any
+  double max_stream_load = 0.5;    // part of the interactive lane's time, 0: any
   std::chrono::milliseconds max_stream_idle = std::chrono::minutes(10);
   std::chrono::milliseconds idle_evict = std::chrono::minutes(10);  // of what can be computed again
   std::chrono::milliseconds default_ttl = std::chrono::hours(1);

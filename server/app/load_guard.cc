@@ -25,6 +25,11 @@ void LoadGuard::MeasureLocked(Seconds busy, Time now) {
   measured_ = passed > 0 ? std::clamp(worked / (passed * workers_), 0.0, 1.0) : 0;
 }
 
+void LoadGuard::Look(Seconds busy, Time now) {
+  const std::lock_guard lock(mutex_);
+  MeasureLocked(busy, now);
+}
+
 Status LoadGuard::Admit(double share, Seconds busy, Time now) {
   const std::lock_guard lock(mutex_);
   MeasureLocked(busy, now);

@@ -25,6 +25,9 @@ class LoadGuard {
   // large.
   Status Admit(double share, Seconds busy, Time now);
 
+  // Looks at the load. To be called every second or so: between two looks there is only an average.
+  void Look(Seconds busy, Time now);
+
   // The measured part, 0 to 1.
   double Measured() const;
 

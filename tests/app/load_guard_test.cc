@@ -50,6 +50,18 @@ TEST(LoadGuardTest, MeasuredLoadRefusesAndItsEndAdmits) {
   EXPECT_LT(guard.Measured(), 0.01);
 }
 
+TEST(LoadGuardTest, WhatWasLongAgoDoesNotCount) {
+  LoadGuard guard(0.5, 1);
+  LoadGuard::Time now = kStart;
+  ASSERT_TRUE(guard.Admit(0.4, Busy(0), now));
+  // Busy for a minute in which nobody asks.
+  Busy busy(0);
+  for (int second = 0; second < 60; ++second) guard.Look(busy += seconds(1), now += seconds(1));
+  EXPECT_FALSE(guard.Admit(0.4, busy, now));
+  for (int second = 0; second < 3; ++second) guard.Look(busy, now += seconds(1));
+  EXPECT_TRUE(guard.Admit(0.4, busy, now));
+}
+
 TEST(LoadGuardTest, AnIdleServerTakesTheLargestStream) {
   LoadGuard guard(0.5, 2);
   EXPECT_TRUE(guard.Admit(100, Busy(0), kStart));
