@@ -56,8 +56,11 @@ Status SessionRegistry::Expire(const Found& session) {
   bool ours = true;
   if (store_.shared()) {
     auto record = store_.Load(session->key());
-    if (!record) return Fail(std::move(record.error()));
-    ours = *record && (*record)->expires <= session->stored_expires();
+    // What cannot be read is the store's to remove, when it expires there.
+    if (!record && record.error().kind != FaultKind::kDataLoss) {
+      return Fail(std::move(record.error()));
+    }
+    ours = record && *record && (*record)->expires <= session->stored_expires();
   }
   if (ours) {
     auto removed = store_.Remove(session->key());
@@ -216,7 +219,9 @@ Status SessionRegistry::Delete(const std::string& owner, const std::string& id) 
   if (!session && session.error().kind == FaultKind::kDataLoss) {
     // What cannot be read can still be got rid of.
     auto gone = store_.Remove({owner, id});
-    return gone ? Status{} : Fail(std::move(gone.error()));
+    if (!gone) return Fail(std::move(gone.error()));
+    if (const Found known = InMemory({owner, id})) Drop(known);
+    return {};
   }
   if (!session) return Fail(std::move(session.error()));
   auto removed = store_.Remove((*session)->key());
