@@ -26,8 +26,9 @@ grpc::ChannelArguments Arguments() {
 }  // namespace
 
 Channel::Channel(const std::string& address)
-    : Channel(grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), Arguments())) {
-}
+    : Channel([address] {
+        return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), Arguments());
+      }) {}
 
 Result<std::shared_ptr<Channel>> Channel::Open(const std::string& address,
                                                const ConnectOptions& options) {
@@ -37,12 +38,19 @@ Result<std::shared_ptr<Channel>> Channel::Open(const std::string& address,
   grpc::ChannelArguments arguments = Arguments();
   if (!options.server_name.empty()) arguments.SetSslTargetNameOverride(options.server_name);
   return std::shared_ptr<Channel>(
-      new Channel(grpc::experimental::CreateCustomChannelWithInterceptors(
-          address, *credentials, arguments, TokenSender(options))));
+      new Channel([address, credentials = *std::move(credentials), arguments, options] {
+        return grpc::experimental::CreateCustomChannelWithInterceptors(
+            address, credentials, arguments, TokenSender(options));
+      }));
 }
 
-Channel::Channel(std::shared_ptr<grpc::Channel> channel)
-    : channel_(std::move(channel)),
+std::shared_ptr<Channel> Channel::Another() const {
+  return std::shared_ptr<Channel>(new Channel(connect_));
+}
+
+Channel::Channel(Connect connect)
+    : connect_(std::move(connect)),
+      channel_(connect_()),
       deformation_(v1::DeformationService::NewStub(channel_)),
       flattening_(v1::FlatteningService::NewStub(channel_)),
       server_(v1::ServerService::NewStub(channel_)) {}

@@ -1,6 +1,7 @@
 // The gRPC channel with the stubs on it, shared by everything that a Client hands out.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -25,14 +26,19 @@ class Channel {
   static Result<std::shared_ptr<Channel>> Open(const std::string& address,
                                                const ConnectOptions& options);
 
+  // The same over a connection of its own: for when this one may be dead without saying so.
+  std::shared_ptr<Channel> Another() const;
+
   grpc::Channel& grpc() const { return *channel_; }
   v1::DeformationService::Stub& deformation() const { return *deformation_; }
   v1::FlatteningService::Stub& flattening() const { return *flattening_; }
   v1::ServerService::Stub& server() const { return *server_; }
 
  private:
-  explicit Channel(std::shared_ptr<grpc::Channel> channel);
+  using Connect = std::function<std::shared_ptr<grpc::Channel>()>;
+  explicit Channel(Connect connect);
 
+  Connect connect_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<v1::DeformationService::Stub> deformation_;
   std::unique_ptr<v1::FlatteningService::Stub> flattening_;

@@ -1,6 +1,5 @@
 #include "client/src/deform_stream_impl.h"
 
-#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,16 +16,26 @@ std::optional<std::chrono::system_clock::time_point> DeadlineOf(const CallOption
   return std::chrono::system_clock::now() + *call.timeout;
 }
 
+auto NotGrown(std::uint64_t sequence) {
+  return Fail(Fault{FaultKind::kInvalidOption,
+                    fmt::format("The sequence {} has not grown; on a stream that resumes it tells "
+                                "the answers apart.",
+                                sequence),
+                    {},
+                    {},
+                    "sequence"});
+}
+
 auto Over() { return Fail(FaultKind::kProtocol, "the stream is over; reading tells why"); }
 
 }  // namespace
 
 DeformStream::Impl::Impl(std::shared_ptr<internal::Channel> channel, const StreamOptions& options,
                          const CallOptions& call, v1::OpenStream open)
-    : channel_(std::move(channel)),
-      options_(options),
+    : options_(options),
       deadline_(DeadlineOf(call)),
-      open_message_(std::move(open)) {
+      open_message_(std::move(open)),
+      channel_(std::move(channel)) {
   if (resumes()) log_.emplace(options_.delivery == Delivery::kLatest);
   if (options_.heartbeat.count() > 0) {
     watch_ = std::jthread([this](const std::stop_token& stop) { Watch(stop); });
@@ -42,7 +51,6 @@ Status DeformStream::Impl::Open() {
   handle_set_ = *std::move(opened);
   const std::lock_guard lock(mutex_);
   open_ = true;
-  asked_ = Clock::now();
   return {};
 }
 
@@ -53,7 +61,7 @@ Status DeformStream::Impl::Send(v1::StreamDeformRequest request) {
     changed_.wait(lock, [this] { return open_ || end_ || cancelled_; });
   }
   if (end_ || cancelled_) return Over();
-  if (log_) log_->Sent(request);
+  if (log_ && !log_->Sent(request)) return NotGrown(internal::SequenceOf(request));
   if (!open_) return {};
   const std::shared_ptr<Call> call = call_;
   call->Push(std::move(request));
@@ -69,15 +77,6 @@ Status DeformStream::Impl::Ping(std::uint64_t nonce) {
   if (end_ || cancelled_) return Over();
   PushPing(nonce);
   return {};
-}
-
-void DeformStream::Impl::PushPing(std::optional<std::uint64_t> nonce) {
-  pings_.push_back(nonce);
-  asked_ = Clock::now();
-  if (!open_) return;
-  v1::StreamDeformRequest request;
-  request.mutable_ping()->set_nonce(nonce.value_or(0));
-  call_->Push(std::move(request));
 }
 
 Status DeformStream::Impl::CloseSending() {
@@ -144,20 +143,21 @@ Result<std::optional<StreamEvent>> DeformStream::Impl::Read() {
       call = call_;
     }
     v1::StreamDeformResponse response;
+    bool lost = false;
+    Status end;
     if (Next(*call, &response)) {
       auto event = EventOf(response);
-      if (!event) {
-        call->Cancel();
-        End(Fail(event.error()));
-      }
-      if (!event || *event) return event;
-      continue;
+      if (event && *event) return event;
+      if (event) continue;
+      call->Cancel();
+      lost = internal::IsFull(event.error());
+      end = Fail(std::move(event.error()));
+    } else {
+      end = EndOf(*call, &lost);
     }
-    bool lost = false;
-    Status end = EndOf(*call, &lost);
     call.reset();
     if (lost && resumes()) {
-      auto resumed = Resume();
+      auto resumed = Resume(std::move(end.error()));
       if (resumed) return std::optional<StreamEvent>(*std::move(resumed));
       end = Fail(std::move(resumed.error()));
     }
@@ -169,7 +169,9 @@ Result<std::optional<StreamEvent>> DeformStream::Impl::EventOf(
     const v1::StreamDeformResponse& response) {
   const auto known = [this](std::uint64_t sequence, bool good) {
     const std::lock_guard lock(mutex_);
-    return log_ && !log_->Answered(sequence, good);
+    const bool seen = log_ && !log_->Answered(sequence, good);
+    if (trouble_ && (good || !seen) && sequence >= trouble_->last_said) trouble_.reset();
+    return seen;
   };
   switch (response.payload_case()) {
     case v1::StreamDeformResponse::kShape:
@@ -188,33 +190,6 @@ Result<std::optional<StreamEvent>> DeformStream::Impl::EventOf(
       break;
   }
   return Fail(FaultKind::kInternal, "the server sent a message that does not belong here");
-}
-
-std::optional<StreamEvent> DeformStream::Impl::TakePong() {
-  const std::lock_guard lock(mutex_);
-  if (pings_.empty()) return std::nullopt;
-  const std::optional<std::uint64_t> nonce = pings_.front();
-  pings_.pop_front();
-  if (!nonce) return std::nullopt;
-  return Pong{*nonce};
-}
-
-void DeformStream::Impl::Watch(const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
-  const auto tick =
-      std::max(std::min(options_.heartbeat, options_.silence) / 2, std::chrono::milliseconds(1));
-  while (!changed_.wait_for(lock, stop, tick, [&] { return stop.stop_requested(); })) {
-    if (!call_ || end_ || cancelled_) continue;
-    const auto now = Clock::now();
-    if (waiting_ && now - heard_ >= options_.silence) {
-      silent_ = true;
-      call_->Cancel();
-      continue;
-    }
-    const bool asking = std::any_of(pings_.begin(), pings_.end(), [](auto& p) { return !p; });
-    if (!open_ || asking || sending_closed_) continue;
-    if (now - (waiting_ ? heard_ : asked_) >= options_.heartbeat) PushPing(std::nullopt);
-  }
 }
 
 }  // namespace arap::client

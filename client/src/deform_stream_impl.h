@@ -40,6 +40,14 @@ class DeformStream::Impl {
   using Call = internal::StreamCall;
   using Clock = std::chrono::steady_clock;
 
+  // From a loss until the server has answered what was said again.
+  struct Trouble {
+    Clock::time_point until;
+    std::chrono::milliseconds pause;  // before trying again
+    Clock::time_point opened = {};    // again, the last time
+    std::uint64_t last_said = 0;      // the sequence
+  };
+
   bool resumes() const { return options_.resume_within.count() > 0; }
   // A new call, opened by the server; its handle set. It is the call of the moment, but nothing is
   // pushed on it before open_. `lost` as EndOf.
@@ -51,19 +59,25 @@ class DeformStream::Impl {
   // The event of a message; nothing when it is not the user's.
   Result<std::optional<StreamEvent>> EventOf(const v1::StreamDeformResponse& response);
   std::optional<StreamEvent> TakePong();
-  // Opens again after a loss, for as long as the options say. The event, or the last fault.
-  Result<StreamEvent> Resume();
-  bool Pause(std::chrono::milliseconds pause);  // false when cancelled
-  void SayAgain();                              // with mutex_ held
+  // Opens again after the loss that `fault` tells of, for as long as the options say. The event, or
+  // the last fault.
+  Result<StreamEvent> Resume(Fault fault);
+  // Waits before the next attempt. The fault with which to give up: `last` or kCancelled.
+  Status Pause(const Fault& last);
+  void SayAgain();  // with mutex_ held
   void End(Status status);
   void Watch(const std::stop_token& stop);
-  void PushPing(std::optional<std::uint64_t> nonce);  // with mutex_ held
+  // With mutex_ held: asks now or, the user's, when the call is open; only asks.
+  void PushPing(std::optional<std::uint64_t> nonce);
+  void SendPing(std::uint64_t nonce);
 
-  const std::shared_ptr<internal::Channel> channel_;  // outlives the calls
   const StreamOptions options_;
   const std::optional<std::chrono::system_clock::time_point> deadline_;
   const v1::OpenStream open_message_;
   HandleSetInfo handle_set_;  // set by Open, then constant
+  // The reader's own.
+  std::shared_ptr<internal::Channel> channel_;
+  std::optional<Trouble> trouble_;
 
   std::mutex mutex_;
   std::condition_variable_any changed_;

@@ -27,60 +27,85 @@ Result<HandleSetInfo> DeformStream::Impl::OpenCall(bool* lost) {
     internal::Prepare(context, {}, open_message_.session_id());
     if (deadline_) context.set_deadline(*deadline_);
   });
-  {
-    const std::lock_guard lock(mutex_);
-    call_ = call;
-    silent_ = false;
-    if (cancelled_) call->Cancel();
-  }
   v1::StreamDeformRequest request;
   *request.mutable_open() = open_message_;
   call->Push(std::move(request));
+  std::shared_ptr<Call> old;  // may have to end yet, which is not to be waited for with mutex_ held
+  {
+    const std::lock_guard lock(mutex_);
+    old = std::exchange(call_, call);
+    silent_ = false;
+    asked_ = Clock::now();
+    std::erase(pings_, std::nullopt);  // lost with the call before
+    if (cancelled_) call->Cancel();
+  }
+  old.reset();
+  // The server may have much to compute before it has opened; meanwhile it answers pings.
   v1::StreamDeformResponse response;
-  if (Next(*call, &response)) {
+  while (Next(*call, &response)) {
     if (response.has_opened()) return internal::FromWire(response.opened().handle_set());
-    return Fail(FaultKind::kInternal, "the server answered before it opened the stream");
+    if (!response.has_pong()) {
+      return Fail(FaultKind::kInternal, "the server answered before it opened the stream");
+    }
+    TakePong();
   }
   if (Status end = EndOf(*call, lost); !end) return Fail(std::move(end.error()));
   return Fail(FaultKind::kInternal, "the server ended the stream without opening it");
 }
 
-Result<StreamEvent> DeformStream::Impl::Resume() {
+Result<StreamEvent> DeformStream::Impl::Resume(Fault fault) {
+  bool silent = false;
   {
     const std::lock_guard lock(mutex_);
     open_ = false;
+    silent = silent_;
   }
-  const auto until = Clock::now() + options_.resume_within;
-  milliseconds pause = kFirstPause;
+  // Who is lost again before it has caught up comes back neither at once nor for ever.
+  const bool again = trouble_ && Clock::now() - trouble_->opened < options_.resume_within;
+  if (!again) trouble_ = Trouble{Clock::now() + options_.resume_within, kFirstPause};
   for (std::uint32_t attempts = 1;; ++attempts) {
+    if (again || attempts > 1) {
+      if (Status waited = Pause(fault); !waited) return Fail(std::move(waited.error()));
+    }
+    if (silent) channel_ = channel_->Another();
     bool lost = false;
     auto opened = OpenCall(&lost);
+    const std::lock_guard lock(mutex_);
     if (opened) {
-      const std::lock_guard lock(mutex_);
       SayAgain();
       return Resumed{*std::move(opened), attempts};
     }
-    // A server that is full may have room later.
-    const bool full = Detail(opened.error(), kGrpcCodeDetail) == "RESOURCE_EXHAUSTED";
-    if (!lost && !full) return Fail(std::move(opened.error()));
-    const milliseconds wait = Jittered(pause);
-    if (Clock::now() + wait >= until) return Fail(std::move(opened.error()));
-    if (!Pause(wait)) return Fail(FaultKind::kCancelled, "the stream was cancelled");
-    pause = std::min(2 * pause, kLongestPause);
+    fault = std::move(opened.error());
+    if (!lost && !internal::IsFull(fault)) return Fail(std::move(fault));
+    silent = silent_;
   }
 }
 
-bool DeformStream::Impl::Pause(milliseconds pause) {
+Status DeformStream::Impl::Pause(const Fault& last) {
+  milliseconds pause = Jittered(trouble_->pause);
+  if (Clock::now() + pause >= trouble_->until) return Fail(last);
+  trouble_->pause = std::min(2 * trouble_->pause, kLongestPause);
+  if (deadline_) {
+    const auto left = *deadline_ - std::chrono::system_clock::now();
+    pause = std::min(pause, std::chrono::ceil<milliseconds>(left));
+  }
   std::unique_lock lock(mutex_);
-  return !changed_.wait_for(lock, pause, [this] { return cancelled_; });
+  if (!changed_.wait_for(lock, pause, [this] { return cancelled_; })) return {};
+  return Fail(FaultKind::kCancelled, "the stream was cancelled");
 }
 
 void DeformStream::Impl::SayAgain() {
-  for (v1::StreamDeformRequest& message : log_->Messages()) call_->Push(std::move(message));
+  std::vector<v1::StreamDeformRequest> messages = log_->Messages();
+  if (messages.empty()) {
+    trouble_.reset();
+  } else {
+    trouble_->opened = Clock::now();
+    trouble_->last_said = internal::SequenceOf(messages.back());
+  }
+  for (v1::StreamDeformRequest& message : messages) call_->Push(std::move(message));
   open_ = true;
-  asked_ = Clock::now();
-  for (const std::optional<std::uint64_t>& nonce : std::exchange(pings_, {})) {
-    if (nonce) PushPing(nonce);
+  for (const std::optional<std::uint64_t>& nonce : pings_) {
+    if (nonce) SendPing(*nonce);
   }
   if (sending_closed_) call_->PushEnd();
   changed_.notify_all();

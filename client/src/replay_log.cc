@@ -1,13 +1,10 @@
 #include "client/src/replay_log.h"
 
+#include <iterator>
 #include <utility>
 
 namespace arap::client::internal {
 namespace {
-
-std::uint64_t SequenceOf(const v1::StreamDeformRequest& request) {
-  return request.has_edit() ? request.edit().sequence() : request.update().sequence();
-}
 
 v1::HandleUpdate& NewUpdate(std::uint64_t sequence, std::vector<v1::StreamDeformRequest>& out) {
   v1::HandleUpdate& update = *out.emplace_back().mutable_update();
@@ -24,32 +21,57 @@ void SayTargets(const std::map<std::string, v1::HandleTarget>& targets, std::uin
 
 }  // namespace
 
+std::uint64_t SequenceOf(const v1::StreamDeformRequest& request) {
+  return request.has_edit() ? request.edit().sequence() : request.update().sequence();
+}
+
 void ReplayLog::Pose::Add(const v1::HandleUpdate& update) {
-  sequence = update.sequence();
   if (update.positions_size() > 0) {
+    if (!after.empty()) before_sequence = after_sequence;
     for (auto& [id, target] : std::exchange(after, {})) before[id] = std::move(target);
     positions.assign(update.positions().begin(), update.positions().end());
+    positions_sequence = update.sequence();
   }
+  if (update.targets_size() > 0) after_sequence = update.sequence();
   for (const v1::HandleTarget& target : update.targets()) after[target.handle_id()] = target;
 }
 
 void ReplayLog::Pose::Say(std::vector<v1::StreamDeformRequest>& out) const {
-  SayTargets(before, sequence, out);
+  SayTargets(before, before_sequence, out);
   if (!positions.empty()) {
-    NewUpdate(sequence, out).mutable_positions()->Add(positions.begin(), positions.end());
+    NewUpdate(positions_sequence, out).mutable_positions()->Add(positions.begin(), positions.end());
   }
-  SayTargets(after, sequence, out);
+  SayTargets(after, after_sequence, out);
 }
 
-void ReplayLog::Sent(const v1::StreamDeformRequest& request) {
+bool ReplayLog::Sent(const v1::StreamDeformRequest& request) {
+  const std::uint64_t sequence = SequenceOf(request);
+  if (sent_ && sequence <= *sent_) return false;
+  sent_ = sequence;
   pending_.push_back(request);
-  if (!latest_ || pending_.size() <= kMostPending || pending_.front().has_edit()) return;
-  Keep(std::move(pending_.front()));
-  pending_.pop_front();
+  if (latest_ && pending_.size() > kMostPending) Fold();
+  return true;
+}
+
+// The last update before an edit, and the newest of all, are answered in any case: they stay as
+// they were sent.
+void ReplayLog::Fold() {
+  std::vector<v1::StreamDeformRequest> folded;
+  for (auto at = pending_.begin(); at != pending_.end();) {
+    Pose pose;
+    auto next = std::next(at);
+    for (; !at->has_edit() && next != pending_.end() && !next->has_edit(); at = next++) {
+      pose.Add(at->update());
+    }
+    pose.Say(folded);
+    folded.push_back(std::move(*at));
+    at = next;
+  }
+  pending_.assign(std::move_iterator(folded.begin()), std::move_iterator(folded.end()));
 }
 
 bool ReplayLog::Answered(std::uint64_t sequence, bool good) {
-  if (sequence <= answered_) return false;
+  if (answered_ && sequence <= *answered_) return false;
   answered_ = sequence;
   while (!pending_.empty() && SequenceOf(pending_.front()) <= sequence) {
     v1::StreamDeformRequest request = std::move(pending_.front());

@@ -13,37 +13,40 @@
 
 namespace arap::client::internal {
 
+// Of an update or an edit.
+std::uint64_t SequenceOf(const v1::StreamDeformRequest& request);
+
 // Not thread-safe. A stream's state on the server is its targets and what its edits have made of
 // the handle set; a handle that is added starts where the shape of that moment has it. So the edits
 // that were answered are kept, with the last targets before each; the targets after them, merged;
-// and what was not answered, as it was sent. Memory: a target per handle and edit, and with
-// `latest` at most kMostPending updates, else every update that has no answer.
+// and what was not answered, as it was sent. Memory: a target per handle and edit, and every update
+// that has no answer, with `latest` about kMostPending of them.
 class ReplayLog {
  public:
-  // Older updates of a LATEST stream are taken for good.
+  // From so many on, updates of a LATEST stream that newer ones replace anyway become one.
   static constexpr std::size_t kMostPending = 256;
 
   explicit ReplayLog(bool latest) : latest_(latest) {}
 
-  // An update or an edit went out.
-  void Sent(const v1::StreamDeformRequest& request);
+  // An update or an edit goes out. False, and it is not kept, when its sequence has not grown: its
+  // answer could not be told from others.
+  bool Sent(const v1::StreamDeformRequest& request);
   // The answer to `sequence` came: a shape, or an error, which means that nothing was changed.
   // False when it was answered before.
   bool Answered(std::uint64_t sequence, bool good);
 
-  // What to send behind the opening of a new stream, in this order.
+  // What to send behind the opening of a new stream, in this order; sequences grow.
   std::vector<v1::StreamDeformRequest> Messages() const;
-  // Whether the answer to `sequence` belongs to something that Answered has seen.
-  bool Known(std::uint64_t sequence) const { return sequence <= answered_; }
 
  private:
   // Targets that several updates have come to: single ones, then all positions at once, which leave
-  // angles and scales as they are, then single ones again.
+  // angles and scales as they are, then single ones again. Each with the last sequence that it has
+  // something from.
   struct Pose {
     std::map<std::string, v1::HandleTarget> before;
     std::vector<double> positions;
     std::map<std::string, v1::HandleTarget> after;
-    std::uint64_t sequence = 0;
+    std::uint64_t before_sequence = 0, positions_sequence = 0, after_sequence = 0;
 
     void Add(const v1::HandleUpdate& update);
     void Say(std::vector<v1::StreamDeformRequest>& out) const;
@@ -54,12 +57,14 @@ class ReplayLog {
   };
 
   void Keep(v1::StreamDeformRequest&& request);
+  void Fold();
 
   const bool latest_;
   std::vector<Edited> edits_;
   Pose pose_;  // since the last edit
   std::deque<v1::StreamDeformRequest> pending_;
-  std::uint64_t answered_ = 0;
+  std::optional<std::uint64_t> sent_;      // the last sequence
+  std::optional<std::uint64_t> answered_;  // the last sequence
 };
 
 }  // namespace arap::client::internal

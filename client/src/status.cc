@@ -101,5 +101,7 @@ bool IsLost(const grpc::Status& status) {
   }
 }
 
+bool IsFull(const Fault& fault) { return Detail(fault, kGrpcCodeDetail) == "RESOURCE_EXHAUSTED"; }
+
 }  // namespace internal
 }  // namespace arap::client

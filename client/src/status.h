@@ -20,6 +20,9 @@ Fault FaultOf(const google::rpc::Status& status);
 // server is gone or going away, or a proxy says so in its own words.
 bool IsLost(const grpc::Status& status);
 
+// Whether there was no room, and later may be.
+bool IsFull(const Fault& fault);
+
 // The kind of ErrorInfo.reason, as in "DEGENERATE_TRIANGLE"; empty for one that we do not know.
 std::optional<FaultKind> KindOfReason(std::string_view reason);
 // The kind of a status that names no reason.

@@ -47,6 +47,11 @@ bool StreamCall::WaitSent() {
   return !over_ && !broken_;
 }
 
+bool StreamCall::is_clear() const {
+  const std::lock_guard lock(mutex_);
+  return !over_ && !broken_ && unsent_.empty();
+}
+
 bool StreamCall::Read(Response* response) {
   std::unique_lock lock(mutex_);
   if (!over_ && !reading_ && !got_) {

@@ -39,6 +39,7 @@ class StreamCall final
   // Waits until everything pushed is with the transport, which is HTTP/2's back-pressure. False
   // when the call is over.
   bool WaitSent();
+  bool is_clear() const;  // whether it would answer true, and at once
 
   // Waits for the next message. False when the call has ended: then status() tells how.
   bool Read(Response* response);
@@ -57,7 +58,7 @@ class StreamCall final
   void EndReading();
 
   grpc::ClientContext context_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   // All below is guarded by mutex_.
   std::deque<Request> unsent_;  // the first one is being written while writing_

@@ -111,22 +111,62 @@ TEST(ReplayLogTest, PositionsLeaveAnglesAsTheyAre) {
   log.Sent(Place(2, {7, 0, 8, 0}));
   log.Sent(Move(3, "b", 3));
   for (std::uint64_t i = 1; i <= 3; ++i) EXPECT_TRUE(log.Answered(i, true));
-  EXPECT_THAT(Said(log), ElementsAre("3 a=1@0.5", "3 7 0 8 0", "3 b=3"));
+  EXPECT_THAT(Said(log), ElementsAre("1 a=1@0.5", "2 7 0 8 0", "3 b=3"));
   log.Sent(Place(4, {9, 0, 9, 0}));
   EXPECT_TRUE(log.Answered(4, true));
-  EXPECT_THAT(Said(log), ElementsAre("4 a=1@0.5 b=3", "4 9 0 9 0"));
+  EXPECT_THAT(Said(log), ElementsAre("3 a=1@0.5 b=3", "4 9 0 9 0"));
 }
 
-TEST(ReplayLogTest, LatestKeepsSoManyUpdatesWithoutAnAnswer) {
+TEST(ReplayLogTest, LatestMakesOneOfManyUpdatesWithoutAnAnswer) {
   ReplayLog latest(true), every(false);
-  const std::uint64_t count = 2 * ReplayLog::kMostPending;
+  const std::uint64_t count = 3 * ReplayLog::kMostPending;
   for (std::uint64_t i = 1; i <= count; ++i) {
-    latest.Sent(Move(i, "a", static_cast<double>(i)));
-    every.Sent(Move(i, "a", static_cast<double>(i)));
+    const auto update = Move(i, i % 2 == 0 ? "b" : "a", static_cast<double>(i));
+    EXPECT_TRUE(latest.Sent(update));
+    EXPECT_TRUE(every.Sent(update));
+    EXPECT_LE(Said(latest).size(), ReplayLog::kMostPending);
   }
-  EXPECT_EQ(Said(latest).size(), ReplayLog::kMostPending + 1);
-  EXPECT_EQ(Said(latest).back(), "512 a=512");
+  EXPECT_EQ(Said(latest).back(), "768 b=768");
   EXPECT_EQ(Said(every).size(), count) << "each is answered";
+  // An answer to one of those that were made one leaves what is newer.
+  EXPECT_TRUE(latest.Answered(2, true));
+  EXPECT_EQ(Said(latest).back(), "768 b=768");
+  EXPECT_TRUE(latest.Answered(count, true));
+  EXPECT_THAT(Said(latest), ElementsAre("768 a=767 b=768"));
+}
+
+TEST(ReplayLogTest, UpdatesBehindAnEditWithoutAnAnswerDoNotPileUp) {
+  ReplayLog log(true);
+  EXPECT_TRUE(log.Sent(Move(1, "a", 1)));
+  EXPECT_TRUE(log.Sent(Move(2, "b", 2)));
+  EXPECT_TRUE(log.Sent(Remove(3, "c")));
+  for (std::uint64_t i = 4; i <= 10'000; ++i) {
+    EXPECT_TRUE(log.Sent(i % 3 == 0 ? Place(i, {static_cast<double>(i), 0})
+                                    : Move(i, "a", static_cast<double>(i), 0.5)));
+  }
+  const std::vector<std::string> said = Said(log);
+  EXPECT_LE(said.size(), ReplayLog::kMostPending);
+  ASSERT_GE(said.size(), 5u);
+  EXPECT_EQ(said[0], "1 a=1");
+  EXPECT_EQ(said[1], "2 b=2") << "the last before the edit is answered";
+  EXPECT_EQ(said[2], "3 -c");
+  EXPECT_EQ(said.back(), "10000 a=10000@0.5");
+  std::uint64_t last = 0;
+  for (const auto& message : log.Messages()) {
+    EXPECT_GT(SequenceOf(message), last);
+    last = SequenceOf(message);
+  }
+}
+
+TEST(ReplayLogTest, SequencesHaveToGrowAndMayBeginWithZero) {
+  ReplayLog log(false);
+  EXPECT_TRUE(log.Sent(Move(0, "a", 1)));
+  EXPECT_FALSE(log.Sent(Move(0, "a", 2)));
+  EXPECT_TRUE(log.Answered(0, true));
+  EXPECT_FALSE(log.Answered(0, true));
+  EXPECT_TRUE(log.Sent(Move(5, "a", 3)));
+  EXPECT_FALSE(log.Sent(Remove(4, "b")));
+  EXPECT_THAT(Said(log), ElementsAre("0 a=1", "5 a=3"));
 }
 
 }  // namespace

@@ -5,7 +5,8 @@
 // edits, whatever has no answer yet), and answers Resumed. The shapes that follow are those of an
 // uninterrupted stream, and no answer comes twice. Somebody has to Read for that. Meanwhile sends
 // to a kLatest stream are kept, newer ones in the place of older ones, and sends to a kEvery stream
-// wait. Memory: what has no answer yet, and a target per handle and edit.
+// wait. Memory: a target per handle and edit, and what has no answer yet; of the updates to a
+// kLatest stream, which newer ones replace, a few hundred.
 //
 // Threads: one thread may Read while others send; senders are put in a row. Cancel may be called
 // from any thread. Everything else is for one thread at a time. Move-only; the destructor cancels a
@@ -29,7 +30,7 @@ namespace arap::client {
 
 // Moves handles. Give either targets or positions.
 struct HandleUpdate {
-  std::uint64_t sequence = 0;         // grows from message to message; answers repeat it
+  std::uint64_t sequence = 0;         // grows with every update and edit; answers repeat it
   std::vector<HandleTarget> targets;  // any subset of the handles; the others stay where they are
   std::vector<double> positions;      // all handles in the order of the set: x y x y…
   std::vector<double> pick_points;  // deformed points x y x y… to map back to rest, at most 1024
@@ -48,8 +49,9 @@ struct Pong {
 
 // The stream was lost and goes on, perhaps on another server.
 struct Resumed {
-  HandleSetInfo handle_set;  // as it was opened again, before the stream's own edits
-  std::uint32_t attempts = 0;
+  HandleSetInfo handle_set;    // as the session holds it now, without the stream's own edits; with
+                               // another revision than before when somebody has edited it
+  std::uint32_t attempts = 0;  // to open it again
 };
 
 using StreamEvent = std::variant<Shape, UpdateError, Pong, Resumed>;
@@ -64,7 +66,8 @@ class DeformStream {
   const HandleSetInfo& handle_set() const;
 
   // Each waits until the message is handed to the transport, which is HTTP/2's back-pressure.
-  // kProtocol: the stream is over; Read says why.
+  // kProtocol: the stream is over; Read says why. kInvalidOption, when it resumes: the sequence has
+  // not grown.
   Status Send(const HandleUpdate& update);
   // Changes the handle set; removals come first. The answer is a shape with the new revision.
   Status Edit(std::uint64_t sequence, std::span<const std::string> remove,
