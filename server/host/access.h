@@ -13,6 +13,7 @@
 #include "core/base/result.h"
 #include "server/app/limits.h"
 #include "server/host/credentials.h"
+#include "server/host/tls_files.h"
 #include "server/rpc/caller_of.h"
 #include "server/runtime/clock.h"
 
@@ -47,16 +48,18 @@ class Access {
   // For builder.AddListeningPort. The rule is in credentials.h.
   std::shared_ptr<grpc::ServerCredentials> CredentialsFor(const std::string& address) const;
 
-  // Reads the token file at once, as for SIGHUP; a file that cannot be used leaves things as they
-  // were. Certificates are watched by themselves.
+  // Reads tokens and certificates at once, as for SIGHUP; files that cannot be used leave things as
+  // they were, and are the fault.
   Status Reload();
 
  private:
   explicit Access(std::shared_ptr<const runtime::Clock> clock) : clock_(std::move(clock)) {}
   void KeepFresh(const std::stop_token& stop, std::chrono::milliseconds period);
+  Status RefreshCertificates(bool insist);
 
   const std::shared_ptr<const runtime::Clock> clock_;
   rpc::Identity identity_;
+  std::unique_ptr<TlsFiles> tls_;
   std::shared_ptr<grpc::ServerCredentials> tcp_;
   std::mutex mutex_;  // only to wait with
   std::condition_variable_any waiting_;

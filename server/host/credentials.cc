@@ -93,7 +93,7 @@ Result<std::shared_ptr<grpc::ServerCredentials>> TcpCredentials(const TlsOptions
   using grpc::experimental::FileWatcherCertificateProvider;
   grpc::experimental::TlsServerCredentialsOptions options(
       std::make_shared<FileWatcherCertificateProvider>(tls.key, tls.certificate, tls.client_ca,
-                                                       tls.refresh_seconds));
+                                                       /*refresh_interval_sec=*/1));
   options.watch_identity_key_cert_pairs();
   // The default verifier looks for host names, which client certificates do not have.
   options.set_check_call_host(false);

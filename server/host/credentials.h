@@ -17,9 +17,8 @@ class ServerCredentials;
 namespace arap::host {
 
 // Files in PEM. They are looked at again every `refresh_seconds`: new connections get what is there
-// then, open ones go on. Certificate and key should be replaced together (by renaming, or by
-// changing a symbolic link of their folder); while they do not belong together new connections
-// fail.
+// then, open ones go on. Files that cannot be used, or do not belong together, leave things as they
+// were (tls_files.h).
 struct TlsOptions {
   std::string certificate;  // the server's, then those that lead to its authority
   std::string key;          // its private key, without a passphrase
@@ -38,7 +37,8 @@ struct TlsOptions {
 // certificate's.
 Status CheckTls(const TlsOptions& tls);
 
-// What the TCP addresses use. Faults as CheckTls.
+// What the TCP addresses use. The files have to be usable whenever gRPC looks, which is every
+// second. Faults as CheckTls.
 Result<std::shared_ptr<grpc::ServerCredentials>> TcpCredentials(const TlsOptions& tls);
 
 }  // namespace arap::host
