@@ -136,11 +136,11 @@ std::size_t DerivedCache::UsedLocked(const std::string& owner) const {
   return used;
 }
 
-DerivedCache::Any DerivedCache::FindAny(const DerivedKey& key, bool use) {
+DerivedCache::Any DerivedCache::FindAny(const DerivedKey& key, bool counted) {
   const std::lock_guard lock(mutex_);
   const auto found = by_key_.find(key);
   const bool hit = found != by_key_.end();
-  if (use && listener_.looked_up) listener_.looked_up(key.kind, hit);
+  if (counted && listener_.looked_up) listener_.looked_up(key.kind, hit);
   if (!hit) return nullptr;
   found->second->used = clock_.SteadyNow();
   entries_.splice(entries_.begin(), entries_, found->second);

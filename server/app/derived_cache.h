@@ -79,6 +79,11 @@ class DerivedCache {
   std::shared_ptr<const T> Find(const DerivedKey& key) {
     return std::static_pointer_cast<const T>(FindAny(key, true));
   }
+  // The same for who will Find it soon: not counted as a look-up.
+  template <class T>
+  std::shared_ptr<const T> Peek(const DerivedKey& key) {
+    return std::static_pointer_cast<const T>(FindAny(key, false));
+  }
   // Whether it is there; no use, and not counted as a look-up.
   bool Has(const DerivedKey& key) const;
   // Keeps `value`, and evicts what the budget and the cap of its kind ask for. With `replace` in
@@ -120,7 +125,7 @@ class DerivedCache {
   // Values are freed after the lock: they may be large.
   using Garbage = std::vector<Any>;
 
-  Any FindAny(const DerivedKey& key, bool use);
+  Any FindAny(const DerivedKey& key, bool counted);
   Any KeepAny(const DerivedKey& key, Any value, std::size_t bytes, bool replace);
 
   // All with mutex_ held.

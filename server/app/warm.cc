@@ -80,8 +80,10 @@ bool IsWarmMesh(Engine& engine, const Session& session, const std::string& mesh_
 
 bool IsWarmHandleSet(Engine& engine, const Session& session, const std::string& handle_set_id) {
   const auto record = session.record();
-  return !record->handle_sets.contains(handle_set_id) ||
-         engine.derived.Has(HandleSetKey(record->key, handle_set_id));
+  const auto set = record->handle_sets.find(handle_set_id);
+  if (set == record->handle_sets.end()) return true;
+  const auto kept = engine.derived.Peek<CompiledSet>(HandleSetKey(record->key, handle_set_id));
+  return kept && IsOf(*kept, set->second, record->meshes.at(set->second.mesh_id).blob);
 }
 
 Result<MeshEntry> WarmMesh(Engine& engine, const Caller& caller, const Session& session,

@@ -116,6 +116,19 @@ TEST_F(WarmTest, IdleMemoryComesBackAndTheSessionLivesOn) {
   EXPECT_EQ(Shape(ann_, "s", "h"), before);
 }
 
+TEST_F(WarmTest, ASetThatAnotherServerHasChangedIsNotWarm) {
+  Open(ann_, "s");
+  ASSERT_TRUE(Register(ann_, "s", "m"));
+  ASSERT_TRUE(CompileHandles(*engine_, ann_, "s", "m", "h", AtVertices({0, 80}), {}));
+  const auto session = Use(ann_, "s");
+  EXPECT_TRUE(IsWarmHandleSet(*engine_, *session, "h"));
+  ASSERT_TRUE(engine_->sessions.Change(*session, [](store::SessionRecord& record) -> Result<bool> {
+    record.handle_sets.at("h").definitions = AtVertices({0, 17});
+    return true;
+  }));
+  EXPECT_FALSE(IsWarmHandleSet(*engine_, *session, "h"));
+}
+
 TEST_F(WarmTest, WhatAStreamHoldsIsNotEvicted) {
   Open(ann_, "s");
   ASSERT_TRUE(Register(ann_, "s", "m"));
