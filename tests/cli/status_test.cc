@@ -124,5 +124,10 @@ TEST(Lost, IsWhatTheServersEndLooksLikeAlsoBehindProxies) {
   EXPECT_FALSE(IsLost(grpc::Status::OK));
 }
 
+TEST(Full, IsWhatMayFindRoomLater) {
+  EXPECT_TRUE(IsFull(FaultOf(WithReason(grpc::StatusCode::RESOURCE_EXHAUSTED, "OVERLOADED"))));
+  EXPECT_FALSE(IsFull(FaultOf(WithReason(grpc::StatusCode::NOT_FOUND, "UNKNOWN_HANDLE"))));
+}
+
 }  // namespace
 }  // namespace arap::client::internal
