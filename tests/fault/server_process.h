@@ -68,8 +68,8 @@ class ChildProcess {
 class ServerProcess : public ChildProcess {
  public:
   // Starts nothing. `flags` come after those that every test needs: free ports, a log on standard
-  // error, sessions in memory unless "--store" is among them. "{}" in flag or address is the
-  // folder.
+  // error; sessions in memory and no limit of load unless they say so. "{}" in flag or address is
+  // the folder.
   explicit ServerProcess(std::vector<std::string> flags = {}, std::string listen = "127.0.0.1:0");
 
   // Starts it and waits until it listens: false with a failure of the test, and the server's log in
