@@ -9,6 +9,7 @@
 #include "core/deform/direct_solver.h"
 #include "core/deform/null_space_solver.h"
 #include "core/deform/roles.h"
+#include "core/deform/target_rows.h"
 
 namespace arap {
 namespace {
@@ -138,6 +139,11 @@ std::vector<Target> CompiledHandles::RestTargets() const {
   std::vector<Target> targets;
   for (const PlacedHandle& h : parts_->handles) targets.push_back({h.rest, 0, 1});
   return targets;
+}
+
+Status CompiledHandles::CheckHard(std::span<const Target> targets) const {
+  if (parts_->dependent.empty()) return {};
+  return TargetRows(*parts_).Place(targets);
 }
 
 bool CompiledHandles::direct() const { return parts_->responses == nullptr; }

@@ -57,6 +57,9 @@ class CompiledHandles {
   const std::vector<PlacedHandle>& handles() const;  // in the order given
   std::optional<std::size_t> Find(std::string_view id) const;
   std::vector<Target> RestTargets() const;  // one per handle
+  // Without a frame: kConflictingHandles when hard handles cannot all meet these targets (one per
+  // handle, finite). Linear in rows(), and free unless hard handles depend on one another.
+  Status CheckHard(std::span<const Target> targets) const;
   std::size_t rows() const;                 // constraint rows
   bool direct() const;                      // whether it factored directly
   std::size_t bytes() const;

@@ -281,8 +281,13 @@ Status SessionRegistry::Sweep() {
   for (const Found& session : all) {
     runtime::Clock::Wall expires;
     if (!session->NeedsStoring(&expires)) continue;
-    if (auto good = store_.Extend(session->key(), expires); !good) return good;
-    session->Stored(expires);
+    const auto there = store_.Extend(session->key(), expires);
+    if (!there) return Fail(there.error());
+    if (*there) {
+      session->Stored(expires);
+    } else {
+      Drop(session);  // another server deleted it: its streams end here too
+    }
   }
   const std::lock_guard writing(writes_);
   if (auto gone = ExpireAll(); !gone) return gone;

@@ -70,6 +70,7 @@ class StreamDeformReactor final
   bool TakeEdit(v1::HandleEdit& edit);
   // Whether rate and load allow an update now; takes the rate's token.
   Status Grant(runtime::Clock::Steady now);
+  Status Admit(runtime::Clock::Steady now);
   Status Merge(const v1::HandleUpdate& update);
 
   // Bodies of the jobs, without mutex_.

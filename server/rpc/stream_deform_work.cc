@@ -1,7 +1,9 @@
 // What a stream does with its messages: opening, updates, edits.
 #include <algorithm>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/app/names.h"
 #include "server/app/targets.h"
@@ -113,11 +115,14 @@ Status StreamDeformReactor::Grant(runtime::Clock::Steady now) {
     return Fail(app::QuotaFull("max_stream_fps", limit));
   }
   if (pace_->Asleep(now)) {
-    auto admitted = engine_.load.Admit(pace_->Share(), engine_.interactive.stats().busy, now);
-    if (!admitted) return admitted;
+    if (auto admitted = Admit(now); !admitted) return admitted;
   }
   pace_->Update(now);
   return {};
+}
+
+Status StreamDeformReactor::Admit(runtime::Clock::Steady now) {
+  return engine_.load.Admit(pace_->Share(), engine_.interactive.stats().busy, now);
 }
 
 void StreamDeformReactor::Refuse(std::uint64_t sequence, const Fault& fault) {
@@ -126,20 +131,23 @@ void StreamDeformReactor::Refuse(std::uint64_t sequence, const Fault& fault) {
 }
 
 Status StreamDeformReactor::Merge(const v1::HandleUpdate& update) {
-  if (update.positions_size() == 0) {
-    return app::MergeTargets(live_->handles(), FromWire(update.targets()), live_->targets());
-  }
-  if (update.targets_size() > 0) {
+  const bool packed = update.positions_size() > 0;
+  if (packed && update.targets_size() > 0) {
     return Fail(Fault{FaultKind::kInvalidOption,
                       "An update has either targets or positions, not both.",
                       {},
                       {},
                       "positions"});
   }
-  return app::PackedTargets(
-      live_->handles(),
-      {update.positions().data(), static_cast<std::size_t>(update.positions_size())},
-      live_->targets());
+  const CompiledHandles& handles = live_->handles();
+  std::vector<Target> targets = live_->targets();
+  const std::span positions(update.positions().data(),
+                            static_cast<std::size_t>(update.positions_size()));
+  Status good = packed ? app::PackedTargets(handles, positions, targets)
+                       : app::MergeTargets(handles, FromWire(update.targets()), targets);
+  if (good) good = handles.CheckHard(targets);
+  if (good) live_->targets() = std::move(targets);
+  return good;
 }
 
 bool StreamDeformReactor::TakeEdit(v1::HandleEdit& edit) {
@@ -211,8 +219,7 @@ Result<app::LiveSet> StreamDeformReactor::OpenSet() {
   const auto refine = static_cast<std::size_t>(options->deform.refine);
   const auto now = engine_.clock.SteadyNow();
   pace_.emplace(app::FrameSeconds(vertices, refine), now);
-  auto admitted = engine_.load.Admit(pace_->Share(), engine_.interactive.stats().busy, now);
-  if (!admitted) return Fail(std::move(admitted.error()));
+  if (auto admitted = Admit(now); !admitted) return Fail(std::move(admitted.error()));
   options_ = *options;
   latest_ = job_open_.delivery() != v1::DELIVERY_EVERY;
   end_listener_ = session_->AddEndListener(

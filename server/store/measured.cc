@@ -29,7 +29,7 @@ class MeasuredSpecs final : public SpecStore {
   Result<bool> Put(const SessionRecord& record) override {
     return Timed(metrics_, "put", [&] { return store_->Put(record); });
   }
-  Status Extend(const SessionKey& key, runtime::Clock::Wall expires) override {
+  Result<bool> Extend(const SessionKey& key, runtime::Clock::Wall expires) override {
     return Timed(metrics_, "extend", [&] { return store_->Extend(key, expires); });
   }
   Result<bool> Remove(const SessionKey& key) override {

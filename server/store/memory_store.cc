@@ -29,12 +29,12 @@ Result<bool> MemorySpecStore::Put(const SessionRecord& record) {
   return true;
 }
 
-Status MemorySpecStore::Extend(const SessionKey& key, runtime::Clock::Wall expires) {
+Result<bool> MemorySpecStore::Extend(const SessionKey& key, runtime::Clock::Wall expires) {
   const std::lock_guard lock(mutex_);
-  if (const auto found = records_.find(key); found != records_.end()) {
-    found->second.expires = expires;
-  }
-  return {};
+  const auto found = records_.find(key);
+  if (found == records_.end()) return false;
+  found->second.expires = expires;
+  return true;
 }
 
 Result<bool> MemorySpecStore::Remove(const SessionKey& key) {

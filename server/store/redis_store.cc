@@ -135,11 +135,11 @@ Result<bool> RedisSpecStore::Put(const SessionRecord& record) {
   return reply->Int() == 1;
 }
 
-Status RedisSpecStore::Extend(const SessionKey& key, runtime::Clock::Wall expires) {
+Result<bool> RedisSpecStore::Extend(const SessionKey& key, runtime::Clock::Wall expires) {
   auto reply = Run(ExtendScript(), {KeysOf(key)[0], Key("expiry")},
                    {std::to_string(ToMillis(expires)), PlaceOf(key)});
   if (!reply) return Fail(reply.error());
-  return {};
+  return reply->Int() == 1;
 }
 
 Result<bool> RedisSpecStore::Remove(const SessionKey& key) {

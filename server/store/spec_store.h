@@ -39,8 +39,8 @@ class SpecStore {
   // With revision 1 adds the record, else puts it in the place of its revision − 1. False when that
   // is not what is stored: somebody else was first.
   virtual Result<bool> Put(const SessionRecord& record) = 0;
-  // Moves the expiry alone. Harmless when there is no such session.
-  virtual Status Extend(const SessionKey& key, runtime::Clock::Wall expires) = 0;
+  // Moves the expiry alone. False when there is no such session.
+  virtual Result<bool> Extend(const SessionKey& key, runtime::Clock::Wall expires) = 0;
   // False when there was none.
   virtual Result<bool> Remove(const SessionKey& key) = 0;
 

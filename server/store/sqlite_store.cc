@@ -133,14 +133,12 @@ Result<bool> SqliteSpecStore::Put(const SessionRecord& record) {
   });
 }
 
-Status SqliteSpecStore::Extend(const SessionKey& key, runtime::Clock::Wall expires) {
-  auto done = With<bool>([&](Sqlite& database) {
+Result<bool> SqliteSpecStore::Extend(const SessionKey& key, runtime::Clock::Wall expires) {
+  return With<bool>([&](Sqlite& database) {
     Query query(database, "UPDATE sessions SET expires = ? WHERE owner = ? AND id = ?");
     query.Bind(ToMillis(expires)).Bind(key.owner).Bind(key.id).Run();
-    return Finished(query, true);
+    return Finished(query, sqlite3_changes(database.get()) > 0);
   });
-  if (!done) return Fail(done.error());
-  return {};
 }
 
 Result<bool> SqliteSpecStore::Remove(const SessionKey& key) {

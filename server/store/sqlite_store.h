@@ -37,7 +37,7 @@ class SqliteSpecStore final : public SpecStore {
   Result<std::optional<SessionRecord>> Load(const SessionKey& key) override;
   Result<std::optional<std::uint64_t>> Revision(const SessionKey& key) override;
   Result<bool> Put(const SessionRecord& record) override;
-  Status Extend(const SessionKey& key, runtime::Clock::Wall expires) override;
+  Result<bool> Extend(const SessionKey& key, runtime::Clock::Wall expires) override;
   Result<bool> Remove(const SessionKey& key) override;
   Result<std::vector<SessionRecord>> List(const std::string& owner, const std::string& after,
                                           std::size_t limit) override;

@@ -136,7 +136,7 @@ TEST(RedisFaultTest, SessionsThatNobodyRemovesGoByThemselvesADayLater) {
   };
   EXPECT_GT(left(), std::chrono::hours(24) + std::chrono::minutes(50));
   EXPECT_LT(left(), std::chrono::hours(25) + std::chrono::minutes(1));
-  EXPECT_TRUE(specs.Extend(record.key, record.expires + std::chrono::hours(10)));
+  EXPECT_EQ(specs.Extend(record.key, record.expires + std::chrono::hours(10)), true);
   EXPECT_GT(left(), std::chrono::hours(34));
   // Redis did it: what is left of it is found and named.
   Raw(redis.Url(), {"DEL", "arap:session:3:ann:s"});
