@@ -88,6 +88,7 @@ Status Report(const LoadOptions& options, const LoadResult& result) {
   const Percentiles round_trip = PercentilesOf(samples.round_trip_micros);
   const Percentiles queue = PercentilesOf(samples.queue_micros);
   const Percentiles solve = PercentilesOf(samples.solve_micros);
+  const Percentiles refused = PercentilesOf(samples.refused_micros);
   const std::size_t updates = samples.round_trip_micros.size();
   const double rate = static_cast<double>(updates) / result.seconds;
   fmt::print("streams      {}\nconnections  {}\nvertices     {}\nhandles      {}\n",
@@ -100,7 +101,6 @@ Status Report(const LoadOptions& options, const LoadResult& result) {
       "queue        p50 {:.0f} µs, p99 {:.0f} µs\nsolve        p50 {:.0f} µs, p99 {:.0f} µs\n",
       queue.p50, queue.p99, solve.p50, solve.p99);
   if (!samples.refused_micros.empty()) {
-    const Percentiles refused = PercentilesOf(samples.refused_micros);
     fmt::print("no room      {} streams, told after p50 {:.0f} µs, max {:.0f} µs\n",
                samples.refused_micros.size(), refused.p50, refused.max);
   }
@@ -120,7 +120,7 @@ Status Report(const LoadOptions& options, const LoadResult& result) {
       {"queue_micros", ToJson(queue)},
       {"solve_micros", ToJson(solve)},
       {"streams_refused", samples.refused_micros.size()},
-      {"refused_micros", ToJson(PercentilesOf(samples.refused_micros))},
+      {"refused_micros", ToJson(refused)},
       {"errors", samples.errors}};
   return WriteTextFile(options.json, json.dump(2) + "\n");
 }

@@ -25,7 +25,8 @@ class GroundedSystem {
   // `lower` (#n×#n, lower triangle) is the matrix with nothing held; `fixed` (#n) says what is.
   // `order` is an elimination order of a pattern around this one. Faults: those of Factor::Make.
   static Result<GroundedSystem> Make(const Eigen::SparseMatrix<Scalar>& lower,
-                                     std::vector<bool> fixed, FactorLayout layout, Order order) {
+                                     std::vector<bool> fixed, FactorLayout layout,
+                                     const Order& order) {
     GroundedSystem system;
     Eigen::SparseMatrix<Scalar> grounded(lower.rows(), lower.cols());
     grounded.reserve(lower.nonZeros() + lower.cols());
@@ -49,7 +50,7 @@ class GroundedSystem {
     if (!factor) return Fail(std::move(factor.error()));
     system.factor_ = *std::move(factor);
     system.fixed_ = std::move(fixed);
-    system.order_ = std::move(order);
+    system.order_ = order;
     return system;
   }
 

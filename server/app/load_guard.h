@@ -37,11 +37,11 @@ class LoadGuard {
  private:
   struct Sample {
     Time time;
-    Seconds busy;
+    Seconds busy{};
   };
   struct Newcomer {
     Time time;
-    double share;
+    double share = 0;
   };
 
   void MeasureLocked(Seconds busy, Time now);
