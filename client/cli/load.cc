@@ -108,20 +108,19 @@ Status Report(const LoadOptions& options, const LoadResult& result) {
     fmt::print("error        {} × {}\n", reason, count);
   if (samples.errors.empty()) fmt::print("errors       none\n");
   if (options.json.empty()) return {};
-  const nlohmann::ordered_json json{
-      {"streams", options.streams},
-      {"connections", options.connections},
-      {"vertices", result.vertices},
-      {"handles", options.handles},
-      {"seconds", result.seconds},
-      {"updates", updates},
-      {"updates_per_second", rate},
-      {"round_trip_micros", ToJson(round_trip)},
-      {"queue_micros", ToJson(queue)},
-      {"solve_micros", ToJson(solve)},
-      {"streams_refused", samples.refused_micros.size()},
-      {"refused_micros", ToJson(refused)},
-      {"errors", samples.errors}};
+  const nlohmann::ordered_json json{{"streams", options.streams},
+                                    {"connections", options.connections},
+                                    {"vertices", result.vertices},
+                                    {"handles", options.handles},
+                                    {"seconds", result.seconds},
+                                    {"updates", updates},
+                                    {"updates_per_second", rate},
+                                    {"round_trip_micros", ToJson(round_trip)},
+                                    {"queue_micros", ToJson(queue)},
+                                    {"solve_micros", ToJson(solve)},
+                                    {"streams_refused", samples.refused_micros.size()},
+                                    {"refused_micros", ToJson(refused)},
+                                    {"errors", samples.errors}};
   return WriteTextFile(options.json, json.dump(2) + "\n");
 }
 

@@ -60,8 +60,8 @@ class CompiledHandles {
   // Without a frame: kConflictingHandles when hard handles cannot all meet these targets (one per
   // handle, finite). Linear in rows(), and free unless hard handles depend on one another.
   Status CheckHard(std::span<const Target> targets) const;
-  std::size_t rows() const;                 // constraint rows
-  bool direct() const;                      // whether it factored directly
+  std::size_t rows() const;  // constraint rows
+  bool direct() const;       // whether it factored directly
   std::size_t bytes() const;
   std::size_t resting_components() const;      // without handles: they stay at rest
   std::size_t translating_components() const;  // with one distinct handle

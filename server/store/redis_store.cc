@@ -161,6 +161,7 @@ Result<std::vector<SessionRecord>> RedisSpecStore::List(const std::string& owner
     const std::vector<std::string> names = ids->Texts();
     if (names.empty()) break;
     std::vector<RedisCommand> loads;
+    loads.reserve(names.size());
     for (const std::string& id : names) loads.push_back(LoadCommand(KeysOf({owner, id})[0]));
     auto replies = pool_.Run(loads);
     if (!replies) return Fail(replies.error());

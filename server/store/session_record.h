@@ -18,7 +18,8 @@ struct SessionKey {
   std::string owner;
   std::string id;
 
-  auto operator<=>(const SessionKey&) const = default;
+  // clang-tidy takes the zero in the generated comparison for a pointer.
+  auto operator<=>(const SessionKey&) const = default;  // NOLINT(modernize-use-nullptr)
 };
 
 // A mesh with its options. `blob` is the SHA-256 of the mesh blob (mesh_blob.h) and at the same
