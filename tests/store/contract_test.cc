@@ -166,8 +166,10 @@ TEST_P(ContractTest, NamesTheBlobsOfTheRecordsThatAreThere) {
 TEST_P(ContractTest, OneOfManyWritersWinsEveryRevision) {
   constexpr std::uint64_t kRevisions = 40;
   std::atomic<std::uint64_t> wins{0};
+  constexpr std::size_t kWriters = 4;
   std::vector<std::thread> writers;
-  for (int writer = 0; writer < 4; ++writer) {
+  writers.reserve(kWriters);
+  for (std::size_t writer = 0; writer < kWriters; ++writer) {
     writers.emplace_back([this, &wins] {
       for (std::uint64_t revision = 1; revision <= kRevisions; ++revision) {
         SessionRecord record = PlainRecord("ann", "s");

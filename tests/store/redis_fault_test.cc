@@ -64,8 +64,10 @@ TEST(RedisFaultTest, AHangEndsWithTheTimeoutForAllCallers) {
   ASSERT_TRUE(specs.Probe());
   redis.Freeze();
   const auto start = steady_clock::now();
+  constexpr std::size_t kCallers = 8;
   std::vector<std::thread> callers;
-  for (int i = 0; i < 8; ++i) {
+  callers.reserve(kCallers);
+  for (std::size_t i = 0; i < kCallers; ++i) {
     callers.emplace_back([&] {
       for (int call = 0; call < 3; ++call) {
         const auto probe = specs.Probe();
