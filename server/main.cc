@@ -15,11 +15,11 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "server/app/version.h"
 #include "server/config/config.h"
 #include "server/config/logs.h"
 #include "server/config/state_dir.h"
 #include "server/host/host.h"
+#include "server/version.h"
 
 namespace {
 

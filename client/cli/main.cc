@@ -1,7 +1,7 @@
 // arapctl: the command line of arapd.
 #include <CLI/CLI.hpp>
 
-#include "client/cli/commands.h"
+#include "client/cli/commands/commands.h"
 
 int main(int argc, char** argv) {
   CLI::App app("Deforms and flattens meshes with an arapd server.", "arapctl");

@@ -10,16 +10,11 @@
 #include <unistd.h>
 
 #include "arap/client/error.h"
-#include "client/cli/commands.h"
+#include "client/cli/commands/commands.h"
 
 namespace arap::cli {
 
-std::string ReasonOf(const Fault& fault) {
-  std::string reason = FaultName(fault.kind);
-  std::transform(reason.begin(), reason.end(), reason.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return reason;
-}
+std::string ReasonOf(const Fault& fault) { return std::string(InfoOf(fault.kind).reason); }
 
 std::string Describe(const Fault& fault) {
   std::vector<std::string> extra;

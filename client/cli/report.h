@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "arap/base/fault.h"
 #include "arap/client/mesh.h"
-#include "core/base/fault.h"
 
 namespace arap::cli {
 

@@ -16,7 +16,7 @@ using grpc::experimental::InterceptionHookPoints;
 using grpc::experimental::Interceptor;
 
 Fault Bad(const char* field, const std::string& message) {
-  return {FaultKind::kInvalidOption, message, {}, {}, field};
+  return Fault(FaultKind::kInvalidOption, message).Field(field);
 }
 
 // Whatever grpc connects to without leaving this machine.

@@ -17,13 +17,11 @@ std::optional<std::chrono::system_clock::time_point> DeadlineOf(const CallOption
 }
 
 auto NotGrown(std::uint64_t sequence) {
-  return Fail(Fault{FaultKind::kInvalidOption,
+  return Fail(Fault(FaultKind::kInvalidOption,
                     fmt::format("The sequence {} has not grown; on a stream that resumes it tells "
                                 "the answers apart.",
-                                sequence),
-                    {},
-                    {},
-                    "sequence"});
+                                sequence))
+                  .Field("sequence"));
 }
 
 auto Over() { return Fail(FaultKind::kProtocol, "the stream is over; reading tells why"); }
@@ -121,12 +119,9 @@ Status DeformStream::Impl::EndOf(const Call& call, bool* lost) {
     return Fail(FaultKind::kCancelled, "the stream was cancelled");
   }
   if (*lost && silent_) {
-    Fault fault{FaultKind::kDraining,
+    Fault fault(FaultKind::kDraining,
                 fmt::format("Nothing was heard from the server for {:g} s.",
-                            std::chrono::duration<double>(options_.silence).count()),
-                {},
-                {},
-                {}};
+                            std::chrono::duration<double>(options_.silence).count()));
     return Fail(fault.Detail(std::string(kGrpcCodeDetail), "UNAVAILABLE"));
   }
   if (!call.status().ok()) return Fail(FaultOf(call.status()));

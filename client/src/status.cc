@@ -70,7 +70,7 @@ Fault FaultOf(const google::rpc::Status& status) {
       retry_delay = Milliseconds(retry.retry_delay());
     }
   }
-  fault.Detail(std::string(kGrpcCodeDetail), CodeName(status.code()));
+  fault.Detail(std::string(kGrpcCodeDetail), std::string(CodeName(status.code())));
   if (!retry_delay.empty()) fault.Detail(std::string(kRetryDelayDetail), retry_delay);
   return fault;
 }
@@ -82,6 +82,23 @@ Fault FaultOf(const grpc::Status& status) {
   message.set_code(status.error_code());
   message.set_message(status.error_message());
   return FaultOf(message);
+}
+
+FaultKind KindOfCode(int code) {
+  switch (code) {
+    case grpc::StatusCode::UNAVAILABLE:
+      return FaultKind::kDraining;
+    case grpc::StatusCode::RESOURCE_EXHAUSTED:
+      return FaultKind::kOverloaded;
+    case grpc::StatusCode::DEADLINE_EXCEEDED:
+      return FaultKind::kDeadlineExceeded;
+    case grpc::StatusCode::CANCELLED:
+      return FaultKind::kCancelled;
+    case grpc::StatusCode::UNIMPLEMENTED:
+      return FaultKind::kUnimplemented;
+    default:
+      return FaultKind::kInternal;
+  }
 }
 
 bool IsLost(const grpc::Status& status) {

@@ -23,11 +23,7 @@ bool IsLost(const grpc::Status& status);
 // Whether there was no room, and later may be.
 bool IsFull(const Fault& fault);
 
-// The kind of ErrorInfo.reason, as in "DEGENERATE_TRIANGLE"; empty for one that we do not know.
-std::optional<FaultKind> KindOfReason(std::string_view reason);
 // The kind of a status that names no reason.
 FaultKind KindOfCode(int code);
-// "UNAVAILABLE" and so on.
-const char* CodeName(int code);
 
 }  // namespace arap::client::internal

@@ -6,7 +6,7 @@
 
 namespace arap {
 
-Result<std::vector<std::uint32_t>> CutToDisks(std::span<const Eigen::Vector3d> input_vertices,
+Result<std::vector<std::uint32_t>> CutToDisks(std::span<const Point3> input_vertices,
                                               const SplitVertices& split,
                                               std::span<const Chart> charts, Gluing& gluing,
                                               const CancelToken& cancel) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/mesh/space.h"
+
 namespace arap {
 namespace {
 
@@ -34,7 +36,7 @@ std::vector<BoundaryLoop> BoundaryLoops(const SurfaceMesh& mesh, const Topology&
     loop.component = topology.vertex_component[start];
     for (std::uint32_t v = start; next[v] != kNone;) {
       loop.vertices.push_back(v);
-      loop.length += (mesh.vertices[next[v]] - mesh.vertices[v]).norm();
+      loop.length += (Vec(mesh.vertices[next[v]]) - Vec(mesh.vertices[v])).norm();
       v = std::exchange(next[v], kNone);
     }
   }

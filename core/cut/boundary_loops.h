@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/mesh/mesh.h"
+#include "arap/model/mesh.h"
 #include "core/mesh/topology.h"
 
 namespace arap {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "arap/model/mesh.h"
 #include "core/mesh/gluing.h"
-#include "core/mesh/mesh.h"
 
 namespace arap {
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "arap/model/mesh.h"
 #include "core/mesh/gluing.h"
-#include "core/mesh/mesh.h"
 
 namespace arap {
 

@@ -14,7 +14,7 @@ constexpr double kHigh = 3;
 
 }  // namespace
 
-CutField::CutField(std::span<const Eigen::Vector3d> input_vertices, const SplitVertices& split,
+CutField::CutField(std::span<const Point3> input_vertices, const SplitVertices& split,
                    Gluing& gluing)
     : input_(input_vertices),
       split_(split),

@@ -10,6 +10,7 @@
 #include "core/cut/chart.h"
 #include "core/cut/corners.h"
 #include "core/mesh/gluing.h"
+#include "core/mesh/space.h"
 
 namespace arap {
 
@@ -18,8 +19,7 @@ namespace arap {
 class CutField {
  public:
   // Refers to all three. O(#F).
-  CutField(std::span<const Eigen::Vector3d> input_vertices, const SplitVertices& split,
-           Gluing& gluing);
+  CutField(std::span<const Point3> input_vertices, const SplitVertices& split, Gluing& gluing);
 
   std::span<const Triangle> triangles() const { return split_.triangles; }
   std::size_t vertex_count() const { return split_.source.size(); }
@@ -62,11 +62,11 @@ class CutField {
   }
 
  private:
-  const Eigen::Vector3d& Position(std::uint32_t vertex) const {
-    return input_[split_.source[vertex]];
+  Eigen::Map<const Eigen::Vector3d> Position(std::uint32_t vertex) const {
+    return Vec(input_[split_.source[vertex]]);
   }
 
-  std::span<const Eigen::Vector3d> input_;
+  std::span<const Point3> input_;
   const SplitVertices& split_;
   Gluing& gluing_;
   std::vector<bool> drawn_;             // 3·#F

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/cancel.h"
-#include "core/base/result.h"
+#include "arap/base/cancel.h"
+#include "arap/base/result.h"
 #include "core/cut/chart.h"
 #include "core/cut/cut_field.h"
 #include "core/mesh/union_find.h"

@@ -11,6 +11,7 @@
 #include "core/cut/corners.h"
 #include "core/cut/seams.h"
 #include "core/mesh/gluing.h"
+#include "core/mesh/space.h"
 
 namespace arap {
 namespace {
@@ -94,13 +95,12 @@ class Cutter {
                  result_.warnings);
       return {};
     }
-    Fault fault{FaultKind::kNonManifoldVertex,
-                fmt::format("parts of the surface touch in vertex {} only ({} such vertices in "
-                            "all); split_non_manifold gives each part its own",
-                            touching.front(), touching.size()),
-                {},
-                {},
-                "mesh.triangles"};
+    Fault fault =
+        Fault(FaultKind::kNonManifoldVertex,
+              fmt::format("parts of the surface touch in vertex {} only ({} such vertices in "
+                          "all); split_non_manifold gives each part its own",
+                          touching.front(), touching.size()))
+            .Field("mesh.triangles");
     for (const std::uint32_t v : touching) fault.Element(v);
     fault.Detail("count", fmt::to_string(touching.size()));
     return Fail(std::move(fault));
@@ -122,7 +122,7 @@ class Cutter {
   double Diagonal() const {
     Eigen::AlignedBox3d box;
     for (const Triangle& t : triangles()) {
-      for (const std::uint32_t v : t) box.extend(result_.mesh.vertices[v]);
+      for (const std::uint32_t v : t) box.extend(Vec(result_.mesh.vertices[v]));
     }
     return box.diagonal().norm();
   }
@@ -202,7 +202,7 @@ class Cutter {
   }
 
   Status CheckPlanar(const std::vector<Chart>& charts) const {
-    Fault fault{FaultKind::kNotADisk, "", {}, {}, "mesh.triangles"};
+    Fault fault = Fault(FaultKind::kNotADisk, "").Field("mesh.triangles");
     const Chart* first = nullptr;
     std::size_t count = 0;
     for (const Chart& chart : charts) {

@@ -6,29 +6,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/cancel.h"
-#include "core/base/result.h"
-#include "core/mesh/mesh.h"
+#include "arap/base/cancel.h"
+#include "arap/base/result.h"
+#include "arap/model/flatten.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/validation.h"
 
 namespace arap {
-
-struct CutOptions {
-  // Edges to cut, as pairs of vertices in either order. Repeated entries count once; an edge of the
-  // boundary, and one that parts nothing because it is cut on its own inside the surface, is left
-  // alone with a warning. An edge of three or more triangles is cut apart into all of them.
-  std::vector<std::array<std::uint32_t, 2>> seams;
-  // Cut whatever is then no disk: closed surfaces, handles and all boundaries but one, along short
-  // paths that keep to places of high curvature.
-  bool auto_cut = false;
-  // Edges of three or more triangles become boundary of all of them, and a vertex where parts touch
-  // in nothing else is doubled, instead of being faults.
-  bool split_non_manifold = false;
-  // Triangles without area are let through. Not when a whole chart has none.
-  bool tolerate_degenerate = false;
-  MeshLimits limits;  // of the input
-};
 
 // Every component of `mesh` has a boundary and no handles; it may have holes unless auto_cut. No
 // vertex joins parts that touch in nothing else.

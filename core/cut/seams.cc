@@ -17,13 +17,12 @@ Result<Seams> FindSeams(std::span<const std::array<std::uint32_t, 2>> entries,
         sides.begin(), sides.end(), wanted,
         [](const Side& a, const Side& b) { return a.v0 != b.v0 ? a.v0 < b.v0 : a.v1 < b.v1; });
     if (begin == sides.end() || !begin->SameEdge(wanted)) {
-      return Fail(Fault{FaultKind::kUnknownEdge,
+      return Fail(Fault(FaultKind::kUnknownEdge,
                         fmt::format("seam {} runs from vertex {} to vertex {}, which is no edge of "
                                     "the mesh",
-                                    i, entries[i][0], entries[i][1]),
-                        {entries[i][0], entries[i][1]},
-                        {},
-                        fmt::format("seams[{}]", i)});
+                                    i, entries[i][0], entries[i][1]))
+                      .Field(fmt::format("seams[{}]", i))
+                      .Elements({entries[i][0], entries[i][1]}));
     }
     const auto first = static_cast<std::size_t>(begin - sides.begin());
     if (taken[first]) continue;

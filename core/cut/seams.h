@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/result.h"
+#include "arap/base/result.h"
 #include "core/mesh/sides.h"
 
 namespace arap {

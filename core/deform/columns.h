@@ -3,8 +3,8 @@
 
 #include <cstddef>
 
+#include "arap/model/mesh.h"
 #include "core/energy/shape_view.h"
-#include "core/mesh/mesh.h"
 
 namespace arap {
 

@@ -1,4 +1,4 @@
-#include "core/deform/compiled_handles.h"
+#include "arap/core/compiled_handles.h"
 
 #include <algorithm>
 #include <unordered_set>
@@ -19,11 +19,11 @@ Status CheckIds(const std::vector<PlacedHandle>& kept, const std::vector<Handle>
   for (const PlacedHandle& h : kept) ids.insert(h.handle.id);
   for (std::size_t i = 0; i < added.size(); ++i) {
     if (ids.insert(added[i].id).second) continue;
-    return Fail(Fault{FaultKind::kDuplicateHandle,
-                      fmt::format("two handles have the id \"{}\"", added[i].id),
-                      {static_cast<std::uint32_t>(i)},
-                      {{"handle", added[i].id}},
-                      fmt::format("handles[{}].handle_id", i)});
+    return Fail(Fault(FaultKind::kDuplicateHandle,
+                      fmt::format("two handles have the id \"{}\"", added[i].id))
+                    .Field(fmt::format("handles[{}].handle_id", i))
+                    .Element(static_cast<std::uint32_t>(i))
+                    .Detail("handle", added[i].id));
   }
   return {};
 }
@@ -110,11 +110,9 @@ Result<std::shared_ptr<const CompiledHandles>> CompiledHandles::Edit(
   for (const std::string& id : remove) {
     const auto index = Find(id);
     if (!index) {
-      return Fail(Fault{FaultKind::kUnknownHandle,
-                        fmt::format("no handle has the id \"{}\"", id),
-                        {},
-                        {{"handle", id}},
-                        "remove"});
+      return Fail(Fault(FaultKind::kUnknownHandle, fmt::format("no handle has the id \"{}\"", id))
+                      .Field("remove")
+                      .Detail("handle", id));
     }
     removed[*index] = true;
   }

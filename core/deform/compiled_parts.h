@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/deform/compiled_handles.h"
+#include "arap/core/compiled_handles.h"
 #include "core/deform/constraint_solver.h"
 #include "core/deform/place.h"
 #include "core/deform/responses.h"

@@ -1,4 +1,4 @@
-#include "core/deform/deformer.h"
+#include "arap/core/deformer.h"
 
 #include <algorithm>
 
@@ -12,11 +12,10 @@ namespace {
 
 Status CheckOptions(const DeformOptions& options) {
   if (options.refine < 0 || options.refine > kMaxRefine) {
-    return Fail(Fault{FaultKind::kInvalidOption,
-                      fmt::format("refine is {}; it must be 0 to {}", options.refine, kMaxRefine),
-                      {},
-                      {{"limit", fmt::to_string(kMaxRefine)}},
-                      "options.refine"});
+    return Fail(Fault(FaultKind::kInvalidOption,
+                      fmt::format("refine is {}; it must be 0 to {}", options.refine, kMaxRefine))
+                    .Field("options.refine")
+                    .Detail("limit", fmt::to_string(kMaxRefine)));
   }
   return {};
 }

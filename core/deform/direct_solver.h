@@ -10,7 +10,7 @@
 
 #include <Eigen/LU>
 
-#include "core/base/cancel.h"
+#include "arap/base/cancel.h"
 #include "core/deform/constraint_solver.h"
 #include "core/deform/registered_parts.h"
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "arap/core/deformer.h"
 #include "core/deform/compiled_parts.h"
-#include "core/deform/deformer.h"
 #include "core/deform/target_rows.h"
 
 namespace arap {

@@ -1,4 +1,4 @@
-#include "core/deform/pick.h"
+#include "arap/core/pick.h"
 
 #include <algorithm>
 

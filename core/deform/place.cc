@@ -11,11 +11,9 @@ namespace arap {
 namespace {
 
 tl::unexpected<Fault> BadOption(std::size_t index, const char* field, std::string message) {
-  return Fail(Fault{FaultKind::kInvalidOption,
-                    std::move(message),
-                    {static_cast<std::uint32_t>(index)},
-                    {},
-                    fmt::format("handles[{}].{}", index, field)});
+  return Fail(Fault(FaultKind::kInvalidOption, std::move(message))
+                  .Field(fmt::format("handles[{}].{}", index, field))
+                  .Element(static_cast<std::uint32_t>(index)));
 }
 
 Status CheckHandle(const Handle& h, std::size_t index) {
@@ -54,12 +52,13 @@ struct Seat {
 
 tl::unexpected<Fault> OutOfRange(const char* what, std::uint32_t id, std::size_t count,
                                  const Handle& handle, std::size_t index) {
-  return Fail(Fault{
-      FaultKind::kIndexOutOfRange,
-      fmt::format("handle \"{}\" is on {} {}, but the mesh has {}", handle.id, what, id, count),
-      {static_cast<std::uint32_t>(index)},
-      {{what, fmt::to_string(id)}, {"count", fmt::to_string(count)}},
-      fmt::format("handles[{}]", index)});
+  return Fail(Fault(FaultKind::kIndexOutOfRange,
+                    fmt::format("handle \"{}\" is on {} {}, but the mesh has {}", handle.id, what,
+                                id, count))
+                  .Field(fmt::format("handles[{}]", index))
+                  .Element(static_cast<std::uint32_t>(index))
+                  .Detail(what, fmt::to_string(id))
+                  .Detail("count", fmt::to_string(count)));
 }
 
 Result<Seat> SitOn(const RegisteredMeshParts& mesh, const VertexAnchor& anchor,
@@ -76,12 +75,12 @@ Result<Seat> SitOn(const RegisteredMeshParts& mesh, const VertexAnchor& anchor,
       return seat;
     }
   }
-  return Fail(Fault{FaultKind::kHandleOutside,
+  return Fail(Fault(FaultKind::kHandleOutside,
                     fmt::format("handle \"{}\" is on vertex {}, which belongs to no triangle",
-                                handle.id, anchor.vertex),
-                    {static_cast<std::uint32_t>(index)},
-                    {{"vertex", fmt::to_string(anchor.vertex)}},
-                    fmt::format("handles[{}].vertex", index)});
+                                handle.id, anchor.vertex))
+                  .Field(fmt::format("handles[{}].vertex", index))
+                  .Element(static_cast<std::uint32_t>(index))
+                  .Detail("vertex", fmt::to_string(anchor.vertex)));
 }
 
 Result<Seat> SitOn(const RegisteredMeshParts& mesh, const TriangleAnchor& anchor,
@@ -125,12 +124,12 @@ Result<Seat> SitOn(const RegisteredMeshParts& mesh, const PointAnchor& anchor, c
     return Seat{near.triangle, near.barycentric, near.distance};
   }
   const double distance = near.distance * mesh.report.diagonal;
-  return Fail(Fault{FaultKind::kHandleOutside,
+  return Fail(Fault(FaultKind::kHandleOutside,
                     fmt::format("handle \"{}\" at ({}, {}) lies outside the mesh by {}", handle.id,
-                                anchor.position.real(), anchor.position.imag(), distance),
-                    {static_cast<std::uint32_t>(index)},
-                    {{"distance", fmt::to_string(distance)}},
-                    fmt::format("handles[{}].position", index)});
+                                anchor.position.real(), anchor.position.imag(), distance))
+                  .Field(fmt::format("handles[{}].position", index))
+                  .Element(static_cast<std::uint32_t>(index))
+                  .Detail("distance", fmt::to_string(distance)));
 }
 
 Row VertexRow(const RegisteredMeshParts& mesh, std::uint32_t vertex) {

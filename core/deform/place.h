@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/result.h"
-#include "core/deform/handle.h"
+#include "arap/base/result.h"
+#include "arap/model/handle.h"
 #include "core/deform/registered_parts.h"
 
 namespace arap {

@@ -1,4 +1,4 @@
-#include "core/deform/registered_mesh.h"
+#include "arap/core/registered_mesh.h"
 
 #include <algorithm>
 #include <cmath>

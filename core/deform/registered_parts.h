@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/deform/registered_mesh.h"
+#include "arap/core/registered_mesh.h"
 #include "core/deform/stretch.h"
 #include "core/energy/cells.h"
 #include "core/mesh/topology.h"

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/base/cancel.h"
+#include "arap/base/cancel.h"
 #include "core/deform/place.h"
 #include "core/deform/registered_parts.h"
 

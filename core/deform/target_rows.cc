@@ -35,11 +35,9 @@ Status TargetRows::Place(std::span<const Target> given) {
 
 Status TargetRows::Check(std::span<const Target> given) const {
   if (given.size() != set_.handles.size()) {
-    Fault fault{FaultKind::kTargetCount,
-                fmt::format("{} targets for {} handles", given.size(), set_.handles.size()),
-                {},
-                {},
-                "targets"};
+    Fault fault = Fault(FaultKind::kTargetCount,
+                        fmt::format("{} targets for {} handles", given.size(), set_.handles.size()))
+                      .Field("targets");
     fault.Detail("count", fmt::to_string(given.size()))
         .Detail("expected", fmt::to_string(set_.handles.size()));
     return Fail(std::move(fault));
@@ -47,19 +45,19 @@ Status TargetRows::Check(std::span<const Target> given) const {
   for (std::size_t h = 0; h < given.size(); ++h) {
     const std::string& id = set_.handles[h].handle.id;
     if (!IsFinite(given[h])) {
-      return Fail(Fault{FaultKind::kNonFiniteTarget,
-                        fmt::format("the target of handle \"{}\" is NaN or infinite", id),
-                        {static_cast<std::uint32_t>(h)},
-                        {{"handle", id}},
-                        "targets"});
+      return Fail(Fault(FaultKind::kNonFiniteTarget,
+                        fmt::format("the target of handle \"{}\" is NaN or infinite", id))
+                      .Field("targets")
+                      .Element(static_cast<std::uint32_t>(h))
+                      .Detail("handle", id));
     }
     if (given[h].scale < 0) {
-      return Fail(Fault{FaultKind::kInvalidOption,
+      return Fail(Fault(FaultKind::kInvalidOption,
                         fmt::format("the scale of handle \"{}\" is {}; it must be at least 0", id,
-                                    given[h].scale),
-                        {static_cast<std::uint32_t>(h)},
-                        {{"handle", id}},
-                        "targets"});
+                                    given[h].scale))
+                      .Field("targets")
+                      .Element(static_cast<std::uint32_t>(h))
+                      .Detail("handle", id));
     }
   }
   return {};
@@ -89,7 +87,7 @@ Status TargetRows::CheckDependent() const {
     const double gap = std::abs(expected - targets_[dependent.row]);
     if (gap <= kCoincident * size) continue;
     const std::uint32_t h = set_.rows[dependent.row].handle;
-    Fault fault{FaultKind::kConflictingHandles, "", {h}, {}, "targets"};
+    Fault fault = Fault(FaultKind::kConflictingHandles, "").Field("targets").Element(h);
     std::string others;
     for (const auto& [row, coefficient] : dependent.combination) {
       const std::uint32_t other = set_.rows[row].handle;

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "arap/core/deformer.h"
 #include "core/deform/compiled_parts.h"
-#include "core/deform/deformer.h"
 
 namespace arap {
 

@@ -210,13 +210,11 @@ Status CheckEnergyOptions(const EnergyOptions& options, std::size_t triangles) {
   const auto& rigidity = options.rigidity;
   if (rigidity.empty()) return {};
   if (rigidity.size() != triangles) {
-    Fault fault{
-        FaultKind::kArrayLength,
-        fmt::format("rigidity has {} numbers; it needs 0 or one for each of the {} triangles",
-                    rigidity.size(), triangles),
-        {},
-        {},
-        "energy.rigidity"};
+    Fault fault =
+        Fault(FaultKind::kArrayLength,
+              fmt::format("rigidity has {} numbers; it needs 0 or one for each of the {} triangles",
+                          rigidity.size(), triangles))
+            .Field("energy.rigidity");
     fault.Detail("length", fmt::to_string(rigidity.size()))
         .Detail("expected", fmt::to_string(triangles));
     return Fail(std::move(fault));
@@ -224,12 +222,12 @@ Status CheckEnergyOptions(const EnergyOptions& options, std::size_t triangles) {
   for (std::uint32_t t = 0; t < rigidity.size(); ++t) {
     if (rigidity[t] > 0 && rigidity[t] <= kMaxRigidity) continue;
     return Fail(
-        Fault{FaultKind::kInvalidOption,
+        Fault(FaultKind::kInvalidOption,
               fmt::format("the rigidity of triangle {} is {}; it must be above 0 and at most {}", t,
-                          rigidity[t], kMaxRigidity),
-              {t},
-              {{"limit", fmt::to_string(kMaxRigidity)}},
-              "energy.rigidity"});
+                          rigidity[t], kMaxRigidity))
+            .Field("energy.rigidity")
+            .Element(t)
+            .Detail("limit", fmt::to_string(kMaxRigidity)));
   }
   return {};
 }
@@ -239,11 +237,9 @@ Result<CellSystem> BuildCells(const std::vector<Triangle>& triangles, const Topo
                               const std::vector<bool>& left_out) {
   if (auto ok = CheckEnergyOptions(options, triangles.size()); !ok) return Fail(ok.error());
   if (options.basis == Basis::kVertex && !planar) {
-    return Fail(Fault{FaultKind::kInvalidOption,
-                      "VERTEX cells are for planar meshes; a surface takes EDGE or FACE cells",
-                      {},
-                      {},
-                      "energy.basis"});
+    return Fail(Fault(FaultKind::kInvalidOption,
+                      "VERTEX cells are for planar meshes; a surface takes EDGE or FACE cells")
+                    .Field("energy.basis"));
   }
   Builder builder(triangles, topology, options, frame, left_out);
   switch (options.basis) {

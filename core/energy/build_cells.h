@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <functional>
 
-#include "core/base/result.h"
+#include "arap/base/result.h"
+#include "arap/model/energy.h"
+#include "arap/model/mesh.h"
 #include "core/energy/cells.h"
-#include "core/energy/options.h"
-#include "core/mesh/mesh.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/validation.h"
 

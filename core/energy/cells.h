@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "core/mesh/mesh.h"
+#include "arap/model/mesh.h"
 
 namespace arap {
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/mesh/space.h"
+
 namespace arap {
 namespace {
 
@@ -39,8 +41,8 @@ std::array<double, 2> SingularValues(const std::array<Complex, 3>& rest,
 }
 
 std::array<Complex, 3> LayFlat(const SurfaceMesh& mesh, const Triangle& triangle) {
-  const Eigen::Vector3d u = mesh.vertices[triangle[1]] - mesh.vertices[triangle[0]];
-  const Eigen::Vector3d v = mesh.vertices[triangle[2]] - mesh.vertices[triangle[0]];
+  const Eigen::Vector3d u = Vec(mesh.vertices[triangle[1]]) - Vec(mesh.vertices[triangle[0]]);
+  const Eigen::Vector3d v = Vec(mesh.vertices[triangle[2]]) - Vec(mesh.vertices[triangle[0]]);
   const double length = u.norm();
   return {Complex(0), Complex(length), Complex(u.dot(v) / length, u.cross(v).norm() / length)};
 }

@@ -6,14 +6,14 @@
 
 #include <fmt/format.h>
 
-#include "core/base/stopwatch.h"
-#include "core/flatten/abf.h"
-#include "core/flatten/anchors.h"
-#include "core/flatten/first_step.h"
-#include "core/flatten/injective.h"
-#include "core/flatten/local_global.h"
-#include "core/flatten/pinned_first_step.h"
-#include "core/flatten/upright.h"
+#include "core/base/timer.h"
+#include "core/flatten/abf/abf.h"
+#include "core/flatten/injective/injective.h"
+#include "core/flatten/layout/anchors.h"
+#include "core/flatten/layout/first_step.h"
+#include "core/flatten/layout/local_global.h"
+#include "core/flatten/layout/pinned_first_step.h"
+#include "core/flatten/sheet/upright.h"
 
 namespace arap {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "core/flatten/flattener.h"
-#include "core/flatten/pins.h"
+#include "arap/core/flattener.h"
+#include "core/flatten/layout/pins.h"
 #include "core/flatten/surface_chart.h"
 #include "core/sparse/factor.h"
 

@@ -1,37 +1,35 @@
-#include "core/flatten/flattener.h"
+#include "arap/core/flattener.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "core/base/stopwatch.h"
+#include "core/base/timer.h"
 #include "core/energy/build_cells.h"
+#include "core/flatten/distortion.h"
 #include "core/flatten/flatten_chart.h"
-#include "core/flatten/overlap.h"
-#include "core/flatten/pins.h"
-#include "core/flatten/placement.h"
+#include "core/flatten/layout/pins.h"
 #include "core/flatten/prepared_surface.h"
-#include "core/flatten/upright.h"
+#include "core/flatten/sheet/overlap.h"
+#include "core/flatten/sheet/placement.h"
+#include "core/flatten/sheet/upright.h"
 
 namespace arap {
 namespace {
 
 Status CheckOptions(const FlattenOptions& options, std::size_t triangles) {
   if (options.refine < 0 || options.refine > kMaxFlattenRefine) {
-    return Fail(
-        Fault{FaultKind::kInvalidOption,
-              fmt::format("refine is {}; it must be 0 to {}", options.refine, kMaxFlattenRefine),
-              {},
-              {{"limit", fmt::to_string(kMaxFlattenRefine)}},
-              "refine"});
+    return Fail(Fault(FaultKind::kInvalidOption, fmt::format("refine is {}; it must be 0 to {}",
+                                                             options.refine, kMaxFlattenRefine))
+                    .Field("refine")
+                    .Detail("limit", fmt::to_string(kMaxFlattenRefine)));
   }
   if (!(options.refine_stop >= 0 && options.refine_stop <= 1)) {
-    return Fail(Fault{FaultKind::kInvalidOption,
-                      fmt::format("refine_stop is {}; it must be 0 to 1", options.refine_stop),
-                      {},
-                      {{"limit", "1"}},
-                      "refine_stop"});
+    return Fail(Fault(FaultKind::kInvalidOption,
+                      fmt::format("refine_stop is {}; it must be 0 to 1", options.refine_stop))
+                    .Field("refine_stop")
+                    .Detail("limit", "1"));
   }
   return CheckEnergyOptions(options.energy, triangles);
 }
@@ -105,12 +103,10 @@ class Assembly {
     for (const std::uint32_t t : surface_.surface().degenerate) left_out[t] = true;
     const auto flipped = NotUpright(surface_.surface().mesh.triangles, flat_.uv, left_out);
     if (flipped.empty()) return {};
-    Fault fault{
-        FaultKind::kNotInjective,
-        fmt::format("{} triangles collapse when the layout is put into its place", flipped.size()),
-        {},
-        {},
-        "injective"};
+    Fault fault = Fault(FaultKind::kNotInjective,
+                        fmt::format("{} triangles collapse when the layout is put into its place",
+                                    flipped.size()))
+                      .Field("injective");
     for (const std::uint32_t t : flipped) fault.Element(t);
     return Fail(std::move(fault));
   }

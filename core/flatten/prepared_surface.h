@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
-#include "core/base/cancel.h"
+#include "arap/base/cancel.h"
+#include "arap/core/flattener.h"
 #include "core/cut/cut_surface.h"
-#include "core/flatten/factor_cache.h"
-#include "core/flatten/flattener.h"
+#include "core/flatten/layout/factor_cache.h"
 #include "core/flatten/surface_chart.h"
 
 namespace arap {

@@ -5,6 +5,7 @@
 
 #include "core/cut/boundary_loops.h"
 #include "core/flatten/distortion.h"
+#include "core/mesh/space.h"
 
 namespace arap {
 namespace {
@@ -16,7 +17,7 @@ constexpr double kSliver = 1e-6;
 std::array<Complex, 3> SliverFrame(const SurfaceMesh& mesh, const Triangle& t) {
   std::array<double, 3> side;  // opposite corner k
   for (std::size_t k = 0; k < 3; ++k) {
-    side[k] = (mesh.vertices[t[(k + 2) % 3]] - mesh.vertices[t[(k + 1) % 3]]).norm();
+    side[k] = (Vec(mesh.vertices[t[(k + 2) % 3]]) - Vec(mesh.vertices[t[(k + 1) % 3]])).norm();
   }
   double longest = *std::max_element(side.begin(), side.end());
   if (!(longest > 0)) longest = kSliver;  // all corners on one spot; the diagonal is 1
@@ -28,13 +29,15 @@ std::array<Complex, 3> SliverFrame(const SurfaceMesh& mesh, const Triangle& t) {
 }
 
 void Normalise(SurfaceChart& chart) {
-  Eigen::Vector3d low = chart.mesh.vertices.front(), high = low;
-  for (const Eigen::Vector3d& p : chart.mesh.vertices) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
+  Eigen::Vector3d low = Vec(chart.mesh.vertices.front()), high = low;
+  for (const Point3& p : chart.mesh.vertices) {
+    low = low.cwiseMin(Vec(p));
+    high = high.cwiseMax(Vec(p));
   }
   chart.diagonal = (high - low).norm();
-  for (Eigen::Vector3d& p : chart.mesh.vertices) p = (p - 0.5 * (low + high)) / chart.diagonal;
+  for (Point3& p : chart.mesh.vertices) {
+    p = ToPoint3((Vec(p) - 0.5 * (low + high)) / chart.diagonal);
+  }
 }
 
 void LayTrianglesFlat(const CutSurface& surface, SurfaceChart& chart) {

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "arap/model/mesh.h"
 #include "core/cut/cut_surface.h"
 #include "core/energy/build_cells.h"
-#include "core/mesh/mesh.h"
 #include "core/mesh/topology.h"
 
 namespace arap {

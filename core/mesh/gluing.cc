@@ -53,13 +53,12 @@ class Orienter {
       } else if (!seen_[mate / 3]) {
         Reach(side, mate);
       } else if (Against(side, mate)) {
-        return Fail(Fault{FaultKind::kNotOrientable,
+        return Fail(Fault(FaultKind::kNotOrientable,
                           fmt::format("triangles {} and {} cannot be oriented alike: the surface "
                                       "has one side only",
-                                      t, mate / 3),
-                          {t, mate / 3},
-                          {},
-                          "mesh.triangles"});
+                                      t, mate / 3))
+                        .Field("mesh.triangles")
+                        .Elements({t, mate / 3}));
       }
     }
     return {};

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "core/base/result.h"
-#include "core/mesh/mesh.h"
+#include "arap/base/result.h"
+#include "arap/model/mesh.h"
 #include "core/mesh/sides.h"
 #include "core/mesh/topology.h"
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "core/mesh/mesh.h"
+#include "arap/model/mesh.h"
 #include "core/mesh/topology.h"
 
 namespace arap {

@@ -7,26 +7,23 @@
 #include <fmt/format.h>
 
 #include "core/mesh/gluing.h"
+#include "core/mesh/space.h"
 
 namespace arap {
 namespace {
 
 Status CheckSize(std::size_t vertices, std::size_t triangles, const MeshLimits& limits) {
   if (vertices == 0 || triangles == 0) {
-    return Fail(Fault{FaultKind::kEmptyMesh,
+    return Fail(Fault(FaultKind::kEmptyMesh,
                       fmt::format("the mesh has {} vertices and {} triangles; it needs both",
-                                  vertices, triangles),
-                      {},
-                      {},
-                      vertices == 0 ? "mesh.vertices" : "mesh.triangles"});
+                                  vertices, triangles))
+                    .Field(vertices == 0 ? "mesh.vertices" : "mesh.triangles"));
   }
   const auto check = [](const char* what, std::size_t count, std::size_t limit) -> Status {
     if (count <= limit) return {};
-    Fault fault{FaultKind::kMeshTooLarge,
-                fmt::format("the mesh has {} {}; the limit is {}", count, what, limit),
-                {},
-                {},
-                fmt::format("mesh.{}", what)};
+    Fault fault = Fault(FaultKind::kMeshTooLarge,
+                        fmt::format("the mesh has {} {}; the limit is {}", count, what, limit))
+                      .Field(fmt::format("mesh.{}", what));
     fault.Detail("count", fmt::to_string(count)).Detail("limit", fmt::to_string(limit));
     return Fail(std::move(fault));
   };
@@ -38,18 +35,18 @@ Status CheckSize(std::size_t vertices, std::size_t triangles, const MeshLimits& 
 bool Finite(const Complex& p) {
   return std::abs(p.real()) <= kMaxCoordinate && std::abs(p.imag()) <= kMaxCoordinate;
 }
-bool Finite(const Eigen::Vector3d& p) { return p.allFinite(); }
+bool Finite(const Point3& p) { return Vec(p).allFinite(); }
 
 // What is wrong with a vertex that is not. The triangles of a surface say themselves when they are
 // too large to be measured.
 std::string NotFinite(const Complex&) {
   return fmt::format("NaN, infinite or beyond {:g}", kMaxCoordinate);
 }
-std::string NotFinite(const Eigen::Vector3d&) { return "NaN or infinite"; }
+std::string NotFinite(const Point3&) { return "NaN or infinite"; }
 
 template <class Point>
 Status CheckFinite(const std::vector<Point>& points) {
-  Fault fault{FaultKind::kNonFiniteCoordinate, "", {}, {}, "mesh.vertices"};
+  Fault fault = Fault(FaultKind::kNonFiniteCoordinate, "").Field("mesh.vertices");
   std::size_t count = 0;
   for (std::uint32_t v = 0; v < points.size(); ++v) {
     if (Finite(points[v])) continue;
@@ -68,22 +65,20 @@ Status CheckIndices(std::size_t vertices, const std::vector<Triangle>& triangles
     const Triangle& c = triangles[t];
     for (const std::uint32_t v : c) {
       if (v < vertices) continue;
-      Fault fault{
-          FaultKind::kIndexOutOfRange,
-          fmt::format("triangle {} names vertex {}, but the mesh has {} vertices", t, v, vertices),
-          {t},
-          {},
-          "mesh.triangles"};
+      Fault fault = Fault(FaultKind::kIndexOutOfRange,
+                          fmt::format("triangle {} names vertex {}, but the mesh has {} vertices",
+                                      t, v, vertices))
+                        .Field("mesh.triangles")
+                        .Element(t);
       fault.Detail("vertex", fmt::to_string(v)).Detail("vertices", fmt::to_string(vertices));
       return Fail(std::move(fault));
     }
     if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) {
       return Fail(
-          Fault{FaultKind::kRepeatedIndex,
-                fmt::format("triangle {} names a vertex twice: {} {} {}", t, c[0], c[1], c[2]),
-                {t},
-                {},
-                "mesh.triangles"});
+          Fault(FaultKind::kRepeatedIndex,
+                fmt::format("triangle {} names a vertex twice: {} {} {}", t, c[0], c[1], c[2]))
+              .Field("mesh.triangles")
+              .Element(t));
     }
   }
   return {};
@@ -105,13 +100,13 @@ Status CheckBasics(const Mesh& mesh, const MeshLimits& limits) {
 }
 
 double Distance(const Complex& a, const Complex& b) { return std::abs(a - b); }
-double Distance(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return (a - b).norm(); }
+double Distance(const Point3& a, const Point3& b) { return (Vec(a) - Vec(b)).norm(); }
 
 double TwiceArea(const Complex& a, const Complex& b, const Complex& c) {
   return std::imag(std::conj(b - a) * (c - a));
 }
-double TwiceArea(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
-  return (b - a).cross(c - a).norm();
+double TwiceArea(const Point3& a, const Point3& b, const Point3& c) {
+  return (Vec(b) - Vec(a)).cross(Vec(c) - Vec(a)).norm();
 }
 
 double Diagonal(const std::vector<Complex>& points, const std::vector<Triangle>& triangles) {
@@ -125,13 +120,12 @@ double Diagonal(const std::vector<Complex>& points, const std::vector<Triangle>&
   }
   return std::hypot(x1 - x0, y1 - y0);
 }
-double Diagonal(const std::vector<Eigen::Vector3d>& points,
-                const std::vector<Triangle>& triangles) {
-  Eigen::Vector3d low = points[triangles[0][0]], high = low;
+double Diagonal(const std::vector<Point3>& points, const std::vector<Triangle>& triangles) {
+  Eigen::Vector3d low = Vec(points[triangles[0][0]]), high = low;
   for (const Triangle& t : triangles) {
     for (const std::uint32_t v : t) {
-      low = low.cwiseMin(points[v]);
-      high = high.cwiseMax(points[v]);
+      low = low.cwiseMin(Vec(points[v]));
+      high = high.cwiseMax(Vec(points[v]));
     }
   }
   return (high - low).norm();
@@ -186,11 +180,10 @@ Status CheckDuplicates(std::span<const Triangle> triangles, std::span<const Side
     for (std::size_t i = 1; i < sorted.size(); ++i) {
       if (opposite(sorted[i]) != opposite(sorted[i - 1])) continue;
       const std::uint32_t a = sorted[i - 1].triangle(), b = sorted[i].triangle();
-      status = Fail(Fault{FaultKind::kDuplicateTriangle,
-                          fmt::format("triangles {} and {} have the same vertices", a, b),
-                          {a, b},
-                          {},
-                          "mesh.triangles"});
+      status = Fail(Fault(FaultKind::kDuplicateTriangle,
+                          fmt::format("triangles {} and {} have the same vertices", a, b))
+                        .Field("mesh.triangles")
+                        .Elements({a, b}));
       return;
     }
   });
@@ -198,13 +191,11 @@ Status CheckDuplicates(std::span<const Triangle> triangles, std::span<const Side
 }
 
 Fault NonManifoldEdgeFault(std::span<const Side> edge) {
-  Fault fault{FaultKind::kNonManifoldEdge,
-              fmt::format("edge {}-{} belongs to more than two triangles: {}, {}, {}{}", edge[0].v0,
-                          edge[0].v1, edge[0].triangle(), edge[1].triangle(), edge[2].triangle(),
-                          edge.size() > 3 ? ", …" : ""),
-              {},
-              {},
-              "mesh.triangles"};
+  Fault fault = Fault(FaultKind::kNonManifoldEdge,
+                      fmt::format("edge {}-{} belongs to more than two triangles: {}, {}, {}{}",
+                                  edge[0].v0, edge[0].v1, edge[0].triangle(), edge[1].triangle(),
+                                  edge[2].triangle(), edge.size() > 3 ? ", …" : ""))
+                    .Field("mesh.triangles");
   for (const Side& side : edge) fault.Element(side.triangle());
   fault.Detail("edge", fmt::format("{}-{}", edge[0].v0, edge[0].v1));
   return fault;
@@ -215,13 +206,12 @@ std::vector<std::uint32_t> DegenerateTriangles(const SurfaceMesh& mesh) {
 }
 
 Fault DegenerateFault(const std::vector<std::uint32_t>& degenerate) {
-  Fault fault{FaultKind::kDegenerateTriangle,
-              fmt::format("triangle {} is degenerate: its height is below {} of its longest edge, "
-                          "or it is that small against the whole mesh ({} in all)",
-                          degenerate.front(), kDegenerateRatio, degenerate.size()),
-              {},
-              {},
-              "mesh.triangles"};
+  Fault fault =
+      Fault(FaultKind::kDegenerateTriangle,
+            fmt::format("triangle {} is degenerate: its height is below {} of its longest edge, "
+                        "or it is that small against the whole mesh ({} in all)",
+                        degenerate.front(), kDegenerateRatio, degenerate.size()))
+          .Field("mesh.triangles");
   for (const std::uint32_t t : degenerate) fault.Element(t);
   fault.Detail("limit", fmt::to_string(kDegenerateRatio))
       .Detail("count", fmt::to_string(degenerate.size()));

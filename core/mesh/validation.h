@@ -7,27 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "core/base/result.h"
-#include "core/mesh/mesh.h"
+#include "arap/base/result.h"
+#include "arap/model/mesh.h"
 #include "core/mesh/sides.h"
 
 namespace arap {
 
 // The largest coordinate of a planar mesh: areas are finite up to it.
 inline constexpr double kMaxCoordinate = 1e150;
-
-struct MeshLimits {
-  std::size_t max_vertices = 1'000'000;
-  std::size_t max_triangles = 2'000'000;
-};
-
-// Something repaired or ignored; never an error.
-struct Warning {
-  std::string kind;                     // "reversed_triangles", "unreferenced_vertices", …
-  std::size_t count = 0;                // how many elements
-  std::vector<std::uint32_t> elements;  // the first few, at most Fault::kMaxElements
-  std::string message;                  // a sentence
-};
 
 // A triangle is degenerate when its smallest height is below this fraction of its longest edge, or
 // its longest edge is below this fraction of the bounding-box diagonal.

@@ -8,7 +8,7 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
-#include "core/base/stopwatch.h"
+#include "core/base/timer.h"
 #include "core/sparse/packed_factor.h"
 
 namespace arap {

@@ -13,7 +13,7 @@
 
 #include <Eigen/SparseCore>
 
-#include "core/base/result.h"
+#include "arap/base/result.h"
 
 namespace arap {
 

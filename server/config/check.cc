@@ -15,13 +15,13 @@
 #include "server/host/admin_http.h"
 #include "server/host/listen.h"
 #include "server/runtime/clock.h"
-#include "server/store/redis_url.h"
+#include "server/store/redis/redis_url.h"
 
 namespace arap::config {
 namespace {
 
 Fault Bad(const char* flag, std::string message) {
-  return {FaultKind::kInvalidOption, std::move(message), {}, {}, flag};
+  return Fault(FaultKind::kInvalidOption, std::move(message)).Field(flag);
 }
 
 // A file that can be written, or made in a folder that can be.

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/result.h"
+#include "arap/base/result.h"
 #include "server/host/host.h"
 
 namespace arap::config {

@@ -1,8 +1,8 @@
 #include "server/config/flags.h"
 
-#include "core/deform/deformer.h"
-#include "server/app/version.h"
+#include "arap/core/deformer.h"
 #include "server/host/listen.h"
+#include "server/version.h"
 
 namespace arap::config {
 namespace {

@@ -22,8 +22,8 @@ Result<spdlog::sink_ptr> FileSink(const LogOptions& options, const char* flag,
     return std::make_shared<spdlog::sinks::rotating_file_sink_mt>(path, options.max_bytes,
                                                                   options.files);
   } catch (const spdlog::spdlog_ex& error) {
-    return Fail(Fault{
-        FaultKind::kInvalidOption, fmt::format("--{}: {}", flag, error.what()), {}, {}, flag});
+    return Fail(
+        Fault(FaultKind::kInvalidOption, fmt::format("--{}: {}", flag, error.what())).Field(flag));
   }
 }
 

@@ -5,7 +5,7 @@
 
 #include <spdlog/logger.h>
 
-#include "core/base/result.h"
+#include "arap/base/result.h"
 #include "server/config/config.h"
 
 namespace arap::config {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/result.h"
+#include "arap/base/result.h"
 
 namespace arap::config {
 

@@ -10,8 +10,8 @@
 #include <thread>
 #include <vector>
 
-#include "core/base/result.h"
-#include "server/app/limits.h"
+#include "arap/base/result.h"
+#include "server/budget/limits.h"
 #include "server/host/credentials.h"
 #include "server/host/tls_files.h"
 #include "server/rpc/caller_of.h"

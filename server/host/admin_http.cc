@@ -19,11 +19,9 @@ constexpr std::size_t kLongestRequest = 4'096;  // bytes of a body; no page take
 constexpr int kMaxPort = 65'535;
 
 Fault Bad(const std::string& address, const char* why) {
-  Fault fault{FaultKind::kInvalidOption,
-              fmt::format("Cannot serve the admin page on {}: {}.", address, why),
-              {},
-              {},
-              "admin"};
+  Fault fault = Fault(FaultKind::kInvalidOption,
+                      fmt::format("Cannot serve the admin page on {}: {}.", address, why))
+                    .Field("admin");
   return fault.Detail("address", address);
 }
 

@@ -10,7 +10,7 @@
 #include <memory>
 #include <string>
 
-#include "core/base/result.h"
+#include "arap/base/result.h"
 #include "server/host/readiness.h"
 
 namespace arap::host {

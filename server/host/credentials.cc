@@ -21,12 +21,10 @@ using Certificate = std::unique_ptr<X509, void (*)(X509*)>;
 using Key = std::unique_ptr<EVP_PKEY, void (*)(EVP_PKEY*)>;
 
 Fault Bad(const std::string& path, const char* field, const std::string& why) {
-  Fault fault{
-      FaultKind::kInvalidOption,
-      path.empty() ? fmt::format("{} {}.", field, why) : fmt::format("{} {} {}.", field, path, why),
-      {},
-      {},
-      field};
+  Fault fault =
+      Fault(FaultKind::kInvalidOption, path.empty() ? fmt::format("{} {}.", field, why)
+                                                    : fmt::format("{} {} {}.", field, path, why))
+          .Field(field);
   return path.empty() ? fault : fault.Detail("file", path);
 }
 

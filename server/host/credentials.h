@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "core/base/result.h"
+#include "arap/base/result.h"
 
 namespace grpc {
 class ServerCredentials;

@@ -209,12 +209,11 @@ class Host::Impl {
     std::size_t failed = 0;
     while (failed + 1 < ports.size() && ports[failed] != 0) ++failed;
     const std::string address = listen_.empty() ? "(no address)" : listen_[failed];
-    return {FaultKind::kAlreadyExists,
-            fmt::format("Cannot listen on {}: it is in use or not an address of this machine.",
-                        address),
-            {},
-            {{"address", address}},
-            "listen"};
+    return Fault(FaultKind::kAlreadyExists,
+                 fmt::format("Cannot listen on {}: it is in use or not an address of this machine.",
+                             address))
+        .Field("listen")
+        .Detail("address", address);
   }
 
   // Destroyed from the bottom up: the server before its services before what they work on.

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "core/base/result.h"
-#include "server/app/engine.h"
-#include "server/app/limits.h"
+#include "arap/base/result.h"
+#include "server/budget/limits.h"
+#include "server/engine.h"
 #include "server/host/access.h"
 #include "server/host/readiness.h"
 #include "server/runtime/clock.h"

@@ -19,11 +19,9 @@ constexpr std::string_view kUnix = "unix:";
 constexpr int kMaxPort = 65'535;
 
 Fault Bad(const std::string& address, const char* why) {
-  Fault fault{FaultKind::kInvalidOption,
-              fmt::format("Cannot listen on {}: {}.", address, why),
-              {},
-              {},
-              "listen"};
+  Fault fault =
+      Fault(FaultKind::kInvalidOption, fmt::format("Cannot listen on {}: {}.", address, why))
+          .Field("listen");
   return fault.Detail("address", address);
 }
 
@@ -102,7 +100,7 @@ bool IsLocal(std::string_view address) {
 Status CheckExposure(const std::vector<std::string>& addresses, const Exposure& exposure) {
   for (const std::string& address : addresses) {
     if (IsLocal(address) || exposure.allow_plaintext) continue;
-    Fault fault{FaultKind::kPermissionDenied, {}, {}, {}, "listen"};
+    Fault fault = Fault(FaultKind::kPermissionDenied, {}).Field("listen");
     if (!exposure.tls) {
       fault.message = fmt::format(
           "{} is open to the network and would be plaintext: give --tls-cert and --tls-key, listen "

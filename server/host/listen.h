@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/result.h"
+#include "arap/base/result.h"
 
 namespace arap::host {
 

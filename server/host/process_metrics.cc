@@ -9,8 +9,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "server/app/engine.h"
-#include "server/app/version.h"
+#include "server/engine.h"
+#include "server/version.h"
 
 namespace arap::host {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/result.h"
+#include "arap/base/result.h"
 #include "server/runtime/clock.h"
 #include "server/runtime/worker_pool.h"
 

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <string>
 
-#include "core/base/result.h"
+#include "arap/base/result.h"
 #include "server/host/credentials.h"
 
 namespace arap::host {

@@ -1,6 +1,6 @@
 #include "server/rpc/call.h"
 
-#include "server/app/engine.h"
+#include "server/engine.h"
 
 namespace arap::rpc {
 

@@ -4,9 +4,9 @@
 #include <memory>
 #include <string>
 
-#include "core/base/cancel.h"
-#include "core/base/result.h"
-#include "server/app/caller.h"
+#include "arap/base/cancel.h"
+#include "arap/base/result.h"
+#include "server/access/caller.h"
 
 namespace arap::app {
 struct Engine;

@@ -7,7 +7,7 @@
 #include <grpcpp/security/auth_context.h>
 #include <grpcpp/server_context.h>
 
-#include "server/app/names.h"
+#include "server/sessions/names.h"
 
 namespace arap::rpc {
 namespace {

@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
-#include "core/base/result.h"
-#include "server/app/caller.h"
-#include "server/app/tokens.h"
+#include "arap/base/result.h"
+#include "server/access/caller.h"
+#include "server/access/tokens.h"
 
 namespace grpc {
 class CallbackServerContext;

@@ -1,7 +1,7 @@
 // The caller's cancellation and deadline as the core's CancelToken.
 #pragma once
 
-#include "core/base/cancel.h"
+#include "arap/base/cancel.h"
 
 namespace grpc {
 class CallbackServerContext;

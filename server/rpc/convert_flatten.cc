@@ -20,11 +20,9 @@ constexpr std::uint32_t kDefaultRefine = 20;
 constexpr double kDefaultRefineStop = 1e-6;
 
 Fault BadOption(std::string message, std::string field, std::string value) {
-  return {FaultKind::kInvalidOption,
-          std::move(message),
-          {},
-          {{"value", std::move(value)}},
-          std::move(field)};
+  return Fault(FaultKind::kInvalidOption, std::move(message))
+      .Field(std::move(field))
+      .Detail("value", std::move(value));
 }
 
 Status CheckFinite(double value, std::string field) {
@@ -119,11 +117,9 @@ Status SetRefine(const v1::FlattenRequest& request, const Recipe& recipe, const 
 Status SetCut(const v1::FlattenRequest& request, const app::Limits& limits, CutOptions& cut) {
   const int numbers = request.seam_edges_size();
   if (numbers % 2 != 0) {
-    Fault fault{FaultKind::kArrayLength,
-                fmt::format("seam_edges has {} numbers, not a multiple of 2.", numbers),
-                {},
-                {},
-                "seam_edges"};
+    Fault fault = Fault(FaultKind::kArrayLength,
+                        fmt::format("seam_edges has {} numbers, not a multiple of 2.", numbers))
+                      .Field("seam_edges");
     return Fail(
         fault.Detail("length", std::to_string(numbers)).Detail("expected", "a multiple of 2"));
   }
@@ -177,12 +173,11 @@ Status CheckBudget(const v1::FlattenRequest& request, const app::Limits& limits)
   const auto triangles = static_cast<std::size_t>(request.mesh().triangles_size() / 3);
   const std::size_t limit = limits.max_flatten_triangles;
   if (triangles <= limit) return {};
-  Fault fault{FaultKind::kLimitExceeded,
-              fmt::format("The surface has {} triangles, more than max_flatten_triangles of {}.",
-                          triangles, limit),
-              {},
-              {},
-              "mesh.triangles"};
+  Fault fault =
+      Fault(FaultKind::kLimitExceeded,
+            fmt::format("The surface has {} triangles, more than max_flatten_triangles of {}.",
+                        triangles, limit))
+          .Field("mesh.triangles");
   return Fail(fault.Detail("count", std::to_string(triangles))
                   .Detail("quota", "max_flatten_triangles")
                   .Detail("limit", std::to_string(limit)));

@@ -1,9 +1,9 @@
 // Flattening between the wire and the core.
 #pragma once
 
-#include "core/base/result.h"
-#include "core/flatten/flattener.h"
-#include "server/app/limits.h"
+#include "arap/base/result.h"
+#include "arap/core/flattener.h"
+#include "server/budget/limits.h"
 
 namespace arap::v1 {
 class FlattenRequest;

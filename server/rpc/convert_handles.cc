@@ -6,9 +6,9 @@
 #include <arap/v1/deformation_service.pb.h>
 #include <fmt/format.h>
 
-#include "server/app/entries.h"
-#include "server/app/names.h"
 #include "server/rpc/convert_mesh.h"
+#include "server/sessions/entries.h"
+#include "server/sessions/names.h"
 
 namespace arap::rpc {
 namespace {
@@ -21,18 +21,16 @@ Status CheckRange(double value, double low, double high, const std::string& fiel
   std::string message = fmt::format("{} is {}, but must be finite", field, value);
   if (low > -kInfinity) message += fmt::format(", at least {}", low);
   if (high < kInfinity) message += fmt::format(", at most {}", high);
-  Fault fault{FaultKind::kInvalidOption, message + ".", {}, {}, field};
+  Fault fault = Fault(FaultKind::kInvalidOption, message + ".").Field(field);
   return Fail(fault.Detail("value", fmt::format("{}", value)));
 }
 
 Result<TriangleAnchor> FromWire(const v1::TrianglePoint& point, const std::string& path) {
   const std::string field = path + ".triangle_point.barycentric";
   if (point.barycentric_size() != 3) {
-    Fault fault{FaultKind::kArrayLength,
-                fmt::format("{} has {} numbers, not 3.", field, point.barycentric_size()),
-                {},
-                {},
-                field};
+    Fault fault = Fault(FaultKind::kArrayLength,
+                        fmt::format("{} has {} numbers, not 3.", field, point.barycentric_size()))
+                      .Field(field);
     return Fail(
         fault.Detail("length", std::to_string(point.barycentric_size())).Detail("expected", "3"));
   }
@@ -42,22 +40,17 @@ Result<TriangleAnchor> FromWire(const v1::TrianglePoint& point, const std::strin
   for (const double weight : anchor.barycentric) {
     // Written so that NaN fails too.
     if (!(weight >= -kBarycentricTolerance && weight <= 1 + kBarycentricTolerance)) {
-      Fault fault{FaultKind::kInvalidOption,
-                  fmt::format("{} has the weight {}, not between 0 and 1.", field, weight),
-                  {},
-                  {},
-                  field};
+      Fault fault = Fault(FaultKind::kInvalidOption,
+                          fmt::format("{} has the weight {}, not between 0 and 1.", field, weight))
+                        .Field(field);
       return Fail(fault.Detail("value", fmt::format("{}", weight)));
     }
     sum += weight;
   }
   if (std::abs(sum - 1) > kBarycentricTolerance) {
-    Fault fault{
-        FaultKind::kInvalidOption,
-        fmt::format("{} sums to {}, not to 1 within {}.", field, sum, kBarycentricTolerance),
-        {},
-        {},
-        field};
+    Fault fault = Fault(FaultKind::kInvalidOption, fmt::format("{} sums to {}, not to 1 within {}.",
+                                                               field, sum, kBarycentricTolerance))
+                      .Field(field);
     return Fail(fault.Detail("value", fmt::format("{}", sum)));
   }
   return anchor;
@@ -84,11 +77,9 @@ Status SetAnchor(const v1::Handle& handle, const std::string& path, Handle& out)
     case v1::Handle::ANCHOR_NOT_SET:
       break;
   }
-  return Fail(Fault{FaultKind::kInvalidOption,
-                    path + " has no anchor: give vertex, triangle_point or position.",
-                    {},
-                    {},
-                    path});
+  return Fail(Fault(FaultKind::kInvalidOption,
+                    path + " has no anchor: give vertex, triangle_point or position.")
+                  .Field(path));
 }
 
 Status SetOutside(v1::OutsidePolicy policy, const std::string& path, Handle& out) {
@@ -102,12 +93,11 @@ Status SetOutside(v1::OutsidePolicy policy, const std::string& path, Handle& out
       return {};
     default:
       return Fail(
-          Fault{FaultKind::kInvalidOption,
+          Fault(FaultKind::kInvalidOption,
                 fmt::format("{}.outside has the value {}, which this version does not know.", path,
-                            static_cast<int>(policy)),
-                {},
-                {{"value", std::to_string(policy)}},
-                path + ".outside"});
+                            static_cast<int>(policy)))
+              .Field(path + ".outside")
+              .Detail("value", std::to_string(policy)));
   }
 }
 
@@ -135,11 +125,9 @@ Status FromWire(const v1::Handle& handle, const std::string& path, Handle& out) 
 
 Status CheckColumns(int length, std::size_t expected, const std::string& field, bool optional) {
   if (static_cast<std::size_t>(length) == expected || (optional && length == 0)) return {};
-  Fault fault{FaultKind::kArrayLength,
-              fmt::format("{} has {} numbers, not {}.", field, length, expected),
-              {},
-              {},
-              field};
+  Fault fault = Fault(FaultKind::kArrayLength,
+                      fmt::format("{} has {} numbers, not {}.", field, length, expected))
+                    .Field(field);
   return Fail(
       fault.Detail("length", std::to_string(length)).Detail("expected", std::to_string(expected)));
 }

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/result.h"
-#include "core/deform/handle.h"
-#include "server/app/targets.h"
+#include "arap/base/result.h"
+#include "arap/model/handle.h"
+#include "server/streams/targets.h"
 
 namespace google::protobuf {
 template <typename T>

@@ -6,28 +6,26 @@
 #include <arap/v1/geometry.pb.h>
 #include <fmt/format.h>
 
-#include "server/app/entries.h"
+#include "server/sessions/entries.h"
 
 namespace arap::rpc {
 namespace {
 
 Status CheckArray(int length, int group, const char* field, std::size_t limit, const char* quota) {
   if (length % group != 0) {
-    Fault fault{FaultKind::kArrayLength,
-                fmt::format("{} has {} numbers, not a multiple of {}.", field, length, group),
-                {},
-                {},
-                field};
+    Fault fault =
+        Fault(FaultKind::kArrayLength,
+              fmt::format("{} has {} numbers, not a multiple of {}.", field, length, group))
+            .Field(field);
     return Fail(fault.Detail("length", std::to_string(length))
                     .Detail("expected", fmt::format("a multiple of {}", group)));
   }
   const auto count = static_cast<std::size_t>(length / group);
   if (count > limit) {
-    Fault fault{FaultKind::kMeshTooLarge,
-                fmt::format("{} has {} elements, more than {} of {}.", field, count, quota, limit),
-                {},
-                {},
-                field};
+    Fault fault =
+        Fault(FaultKind::kMeshTooLarge,
+              fmt::format("{} has {} elements, more than {} of {}.", field, count, quota, limit))
+            .Field(field);
     return Fail(fault.Detail("count", std::to_string(count))
                     .Detail("quota", quota)
                     .Detail("limit", std::to_string(limit)));
@@ -94,11 +92,10 @@ Result<Basis> FromWire(v1::Basis basis) {
 }  // namespace
 
 Fault UnknownValue(const char* field, int value) {
-  Fault fault{FaultKind::kInvalidOption,
-              fmt::format("{} has the value {}, which this version does not know.", field, value),
-              {},
-              {},
-              field};
+  Fault fault =
+      Fault(FaultKind::kInvalidOption,
+            fmt::format("{} has the value {}, which this version does not know.", field, value))
+          .Field(field);
   return fault.Detail("value", std::to_string(value));
 }
 
@@ -118,7 +115,7 @@ Result<SurfaceMesh> FromWire(const v1::SurfaceMesh& mesh, const MeshLimits& limi
   SurfaceMesh out;
   out.vertices.reserve(static_cast<std::size_t>(mesh.vertices_size() / 3));
   for (int i = 0; i < mesh.vertices_size(); i += 3) {
-    out.vertices.emplace_back(mesh.vertices(i), mesh.vertices(i + 1), mesh.vertices(i + 2));
+    out.vertices.push_back({mesh.vertices(i), mesh.vertices(i + 1), mesh.vertices(i + 2)});
   }
   out.triangles = Triangles(mesh);
   return out;
@@ -145,12 +142,10 @@ Result<EnergyOptions> FromWire(const v1::EnergyOptions& options, Weights default
   }
   out.rigidity.assign(options.rigidity().begin(), options.rigidity().end());
   if (!out.rigidity.empty() && out.rigidity.size() != triangles) {
-    Fault fault{FaultKind::kArrayLength,
-                fmt::format("energy.rigidity has {} numbers for {} triangles.", out.rigidity.size(),
-                            triangles),
-                {},
-                {},
-                "energy.rigidity"};
+    Fault fault = Fault(FaultKind::kArrayLength,
+                        fmt::format("energy.rigidity has {} numbers for {} triangles.",
+                                    out.rigidity.size(), triangles))
+                      .Field("energy.rigidity");
     return Fail(fault.Detail("length", std::to_string(out.rigidity.size()))
                     .Detail("expected", std::to_string(triangles)));
   }

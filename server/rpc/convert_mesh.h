@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "core/base/result.h"
-#include "core/energy/options.h"
-#include "core/mesh/mesh.h"
+#include "arap/base/result.h"
+#include "arap/model/energy.h"
+#include "arap/model/mesh.h"
 #include "core/mesh/validation.h"
 
 namespace google::protobuf {

@@ -38,11 +38,9 @@ Result<app::SessionSpec> FromWire(const v1::CreateSessionRequest& request) {
         valid ? seconds(ttl.seconds()) + milliseconds(ttl.nanos() / 1'000'000)
               : milliseconds::zero();
     if (rounded == milliseconds::zero()) {
-      return Fail(Fault{FaultKind::kInvalidOption,
-                        "The ttl is not a time of at least 1 s.",
-                        {},
-                        {{"quota", "max_ttl"}},
-                        "ttl"});
+      return Fail(Fault(FaultKind::kInvalidOption, "The ttl is not a time of at least 1 s.")
+                      .Field("ttl")
+                      .Detail("quota", "max_ttl"));
     }
     spec.ttl = rounded;
   }

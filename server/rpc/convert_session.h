@@ -3,8 +3,8 @@
 
 #include <chrono>
 
-#include "core/base/result.h"
-#include "server/app/session.h"
+#include "arap/base/result.h"
+#include "server/sessions/session.h"
 
 namespace google::protobuf {
 class Duration;

@@ -6,8 +6,8 @@
 #include <arap/v1/deformation_service.pb.h>
 #include <fmt/format.h>
 
-#include "core/deform/pick.h"
-#include "server/app/limits.h"
+#include "arap/core/pick.h"
+#include "server/budget/limits.h"
 
 namespace arap::rpc {
 namespace {
@@ -47,20 +47,17 @@ Result<ShapeOptions> FromWire(const v1::DeformOptions& options, const app::Limit
       break;
     default:
       return Fail(
-          Fault{FaultKind::kInvalidOption,
+          Fault(FaultKind::kInvalidOption,
                 fmt::format("options.mode has the value {}, which this version does not know.",
-                            static_cast<int>(options.mode())),
-                {},
-                {{"value", std::to_string(options.mode())}},
-                "options.mode"});
+                            static_cast<int>(options.mode())))
+              .Field("options.mode")
+              .Detail("value", std::to_string(options.mode())));
   }
   if (options.refine() > limits.max_refine) {
-    Fault fault{FaultKind::kInvalidOption,
-                fmt::format("options.refine of {} is more than max_refine of {}.", options.refine(),
-                            limits.max_refine),
-                {},
-                {},
-                "options.refine"};
+    Fault fault = Fault(FaultKind::kInvalidOption,
+                        fmt::format("options.refine of {} is more than max_refine of {}.",
+                                    options.refine(), limits.max_refine))
+                      .Field("options.refine");
     return Fail(fault.Detail("value", std::to_string(options.refine()))
                     .Detail("quota", "max_refine")
                     .Detail("limit", std::to_string(limits.max_refine)));
@@ -75,22 +72,21 @@ Result<std::vector<Complex>> PicksFromWire(const google::protobuf::RepeatedField
   const auto count = static_cast<std::size_t>(numbers.size());
   if (count % 2 != 0 || count > 2 * kMaxPicks) {
     return Fail(
-        Fault{FaultKind::kArrayLength,
+        Fault(FaultKind::kArrayLength,
               fmt::format("pick_points has {} numbers; it needs x y pairs, at most {} of them.",
-                          count, kMaxPicks),
-              {},
-              {{"length", std::to_string(count)}, {"limit", std::to_string(2 * kMaxPicks)}},
-              "pick_points"});
+                          count, kMaxPicks))
+            .Field("pick_points")
+            .Detail("length", std::to_string(count))
+            .Detail("limit", std::to_string(2 * kMaxPicks)));
   }
   std::vector<Complex> picks;
   picks.reserve(count / 2);
   for (int i = 0; i + 1 < numbers.size(); i += 2) {
     if (!std::isfinite(numbers[i]) || !std::isfinite(numbers[i + 1])) {
-      return Fail(Fault{FaultKind::kNonFiniteTarget,
-                        fmt::format("Pick point {} is NaN or infinite.", i / 2),
-                        {static_cast<std::uint32_t>(i / 2)},
-                        {},
-                        fmt::format("pick_points[{}]", i)});
+      return Fail(Fault(FaultKind::kNonFiniteTarget,
+                        fmt::format("Pick point {} is NaN or infinite.", i / 2))
+                      .Field(fmt::format("pick_points[{}]", i))
+                      .Element(static_cast<std::uint32_t>(i / 2)));
     }
     picks.emplace_back(numbers[i], numbers[i + 1]);
   }

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "core/base/result.h"
-#include "core/deform/deformer.h"
-#include "core/mesh/mesh.h"
+#include "arap/base/result.h"
+#include "arap/core/deformer.h"
+#include "arap/model/mesh.h"
 
 namespace google::protobuf {
 template <typename Element>

@@ -1,13 +1,13 @@
 #include <arap/v1/deformation_service.pb.h>
 
-#include "server/app/engine.h"
-#include "server/app/targets.h"
-#include "server/app/warm.h"
+#include "server/engine.h"
 #include "server/rpc/convert_handles.h"
 #include "server/rpc/convert_shape.h"
 #include "server/rpc/handlers.h"
 #include "server/runtime/metrics.h"
 #include "server/runtime/stopwatch.h"
+#include "server/sessions/warm.h"
+#include "server/streams/targets.h"
 
 namespace arap::rpc {
 

@@ -15,10 +15,7 @@
 #include <fmt/format.h>
 #include <grpcpp/server_context.h>
 
-#include "server/app/engine.h"
-#include "server/app/names.h"
-#include "server/app/targets.h"
-#include "server/app/warm.h"
+#include "server/engine.h"
 #include "server/rpc/caller_of.h"
 #include "server/rpc/cancel.h"
 #include "server/rpc/convert_handles.h"
@@ -27,6 +24,9 @@
 #include "server/rpc/status_map.h"
 #include "server/runtime/metrics.h"
 #include "server/runtime/stopwatch.h"
+#include "server/sessions/names.h"
+#include "server/sessions/warm.h"
+#include "server/streams/targets.h"
 
 namespace arap::rpc {
 namespace {
@@ -160,12 +160,10 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
     if (!options) return Fail(std::move(options.error()));
     const std::size_t limit = engine_.limits.max_track_frames;
     if (static_cast<std::size_t>(request_.frames_size()) > limit) {
-      Fault fault{FaultKind::kInvalidOption,
-                  fmt::format("The track has {} frames, more than max_track_frames of {}.",
-                              request_.frames_size(), limit),
-                  {},
-                  {},
-                  "frames"};
+      Fault fault = Fault(FaultKind::kInvalidOption,
+                          fmt::format("The track has {} frames, more than max_track_frames of {}.",
+                                      request_.frames_size(), limit))
+                        .Field("frames");
       return Fail(fault.Detail("count", std::to_string(request_.frames_size()))
                       .Detail("quota", "max_track_frames")
                       .Detail("limit", std::to_string(limit)));

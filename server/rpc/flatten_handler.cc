@@ -1,8 +1,8 @@
 #include <arap/v1/flattening_service.pb.h>
 
-#include "server/app/engine.h"
-#include "server/app/estimate.h"
-#include "server/app/flatten_surface.h"
+#include "server/budget/estimate.h"
+#include "server/engine.h"
+#include "server/flattening/flatten_surface.h"
 #include "server/rpc/convert_flatten.h"
 #include "server/rpc/convert_mesh.h"
 #include "server/rpc/convert_session.h"

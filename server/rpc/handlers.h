@@ -3,7 +3,7 @@
 // unused.
 #pragma once
 
-#include "core/base/result.h"
+#include "arap/base/result.h"
 #include "server/rpc/call.h"
 
 namespace arap::app {

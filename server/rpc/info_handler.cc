@@ -1,9 +1,9 @@
 #include <arap/v1/server_service.pb.h>
 
-#include "server/app/engine.h"
-#include "server/app/version.h"
+#include "server/engine.h"
 #include "server/rpc/convert_session.h"
 #include "server/rpc/handlers.h"
+#include "server/version.h"
 
 namespace arap::rpc {
 namespace {

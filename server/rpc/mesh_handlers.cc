@@ -1,13 +1,13 @@
 #include <arap/v1/deformation_service.pb.h>
 
-#include "server/app/engine.h"
-#include "server/app/registration.h"
-#include "server/app/warm.h"
+#include "server/engine.h"
 #include "server/rpc/convert_mesh.h"
 #include "server/rpc/convert_session.h"
 #include "server/rpc/handlers.h"
 #include "server/runtime/metrics.h"
 #include "server/runtime/stopwatch.h"
+#include "server/sessions/registration.h"
+#include "server/sessions/warm.h"
 
 namespace arap::rpc {
 

@@ -2,11 +2,12 @@
 
 #include <memory>
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "server/app/names.h"
 #include "server/rpc/status_map.h"
 #include "server/runtime/metrics.h"
+#include "server/sessions/names.h"
 
 namespace arap::rpc {
 namespace {
@@ -38,7 +39,8 @@ void RpcLog::Opened(const std::string& session_id) {
 }
 
 void RpcLog::End(const Status& status, const std::string& extra) const {
-  const char* code = status ? "OK" : CodeName(status.error().kind);
+  const std::string_view code =
+      status ? "OK" : CodeName(static_cast<int>(InfoOf(status.error().kind).code));
   const double seconds = time_.Micros() / 1e6;
   if (metrics_ != nullptr) {
     metrics_->Rpc(method_, code, seconds);
@@ -48,7 +50,8 @@ void RpcLog::End(const Status& status, const std::string& extra) const {
   const std::shared_ptr<spdlog::logger> log = access ? access : spdlog::default_logger();
   const auto level = noisy_ && !access ? spdlog::level::debug : spdlog::level::info;
   if (!log->should_log(level)) return;
-  const std::string reason = status ? "" : std::string(" reason=") + ReasonOf(status.error().kind);
+  const std::string reason =
+      status ? "" : fmt::format(" reason={}", InfoOf(status.error().kind).reason);
   log->log(level, "rpc={} owner={} session={} code={} ms={:.3f}{}{}", method_, owner_, session_id_,
            code, seconds * 1e3, reason, extra);
 }

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "core/base/result.h"
+#include "arap/base/result.h"
 #include "server/runtime/stopwatch.h"
 
 namespace arap::runtime {

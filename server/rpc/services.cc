@@ -6,14 +6,14 @@
 #include <arap/v1/flattening_service.grpc.pb.h>
 #include <arap/v1/server_service.grpc.pb.h>
 
-#include "server/app/engine.h"
-#include "server/app/names.h"
-#include "server/app/warm.h"
+#include "server/engine.h"
 #include "server/rpc/caller_of.h"
 #include "server/rpc/deform_track.h"
 #include "server/rpc/handlers.h"
 #include "server/rpc/stream_deform.h"
 #include "server/rpc/unary_reactor.h"
+#include "server/sessions/names.h"
+#include "server/sessions/warm.h"
 
 namespace arap::rpc {
 namespace {

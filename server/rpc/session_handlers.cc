@@ -1,9 +1,9 @@
 #include <arap/v1/deformation_service.pb.h>
 
-#include "server/app/engine.h"
-#include "server/app/names.h"
+#include "server/engine.h"
 #include "server/rpc/convert_session.h"
 #include "server/rpc/handlers.h"
+#include "server/sessions/names.h"
 
 namespace arap::rpc {
 namespace {

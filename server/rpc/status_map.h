@@ -8,7 +8,7 @@
 
 #include <string>
 
-#include "core/base/fault.h"
+#include "arap/base/fault.h"
 
 namespace grpc {
 class Status;
@@ -18,11 +18,6 @@ class Status;
 }
 
 namespace arap::rpc {
-
-// The name of the ErrorReason, without its prefix.
-const char* ReasonOf(FaultKind kind);
-// The name of the canonical code, for logs ("INVALID_ARGUMENT").
-const char* CodeName(FaultKind kind);
 
 // For the end of an RPC. Long texts are cut, so that the status always fits the trailers.
 grpc::Status ToGrpcStatus(const Fault& fault);

@@ -70,12 +70,12 @@ void StreamDeformReactor::Sweep(runtime::Clock::Steady now) {
   const auto limit = engine_.limits.max_stream_idle;
   if (limit.count() <= 0 || now - heard_ < limit || ending()) return;
   const auto seconds = fmt::format("{:g}", std::chrono::duration<double>(limit).count());
-  Fault idle{
-      FaultKind::kStreamIdle,
-      fmt::format("Nothing was said on this stream for {} s; send a ping now and then.", seconds),
-      {},
-      {{"quota", "max_stream_idle"}, {"limit", seconds}},
-      {}};
+  Fault idle =
+      Fault(FaultKind::kStreamIdle,
+            fmt::format("Nothing was said on this stream for {} s; send a ping now and then.",
+                        seconds))
+          .Detail("quota", "max_stream_idle")
+          .Detail("limit", seconds);
   EndLocked(std::move(idle));
   // Who says nothing may not read either: a write that never ends must not keep the stream.
   if (writing_) context_->TryCancel();

@@ -11,18 +11,18 @@
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
 
-#include "core/base/result.h"
-#include "server/app/caller.h"
-#include "server/app/engine.h"
-#include "server/app/live_set.h"
-#include "server/app/open_streams.h"
-#include "server/app/stream_pace.h"
-#include "server/app/token_bucket.h"
+#include "arap/base/result.h"
+#include "server/access/caller.h"
+#include "server/budget/token_bucket.h"
+#include "server/engine.h"
 #include "server/rpc/caller_of.h"
 #include "server/rpc/convert_shape.h"
 #include "server/rpc/rpc_log.h"
 #include "server/rpc/stream_outbox.h"
 #include "server/runtime/stopwatch.h"
+#include "server/streams/live_set.h"
+#include "server/streams/open_streams.h"
+#include "server/streams/stream_pace.h"
 
 namespace arap::rpc {
 

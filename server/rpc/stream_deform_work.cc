@@ -5,12 +5,12 @@
 #include <utility>
 #include <vector>
 
-#include "server/app/names.h"
-#include "server/app/targets.h"
-#include "server/app/warm.h"
 #include "server/rpc/cancel.h"
 #include "server/rpc/convert_handles.h"
 #include "server/rpc/stream_deform_reactor.h"
+#include "server/sessions/names.h"
+#include "server/sessions/warm.h"
+#include "server/streams/targets.h"
 
 namespace arap::rpc {
 namespace {
@@ -25,7 +25,7 @@ bool IsLight(const v1::HandleEdit& edit) {
                      [](const v1::Handle& handle) { return handle.area_radius() == 0; });
 }
 
-Fault Protocol(const char* message) { return {FaultKind::kProtocol, message, {}, {}, {}}; }
+Fault Protocol(const char* message) { return Fault(FaultKind::kProtocol, message); }
 
 }  // namespace
 
@@ -133,11 +133,9 @@ void StreamDeformReactor::Refuse(std::uint64_t sequence, const Fault& fault) {
 Status StreamDeformReactor::Merge(const v1::HandleUpdate& update) {
   const bool packed = update.positions_size() > 0;
   if (packed && update.targets_size() > 0) {
-    return Fail(Fault{FaultKind::kInvalidOption,
-                      "An update has either targets or positions, not both.",
-                      {},
-                      {},
-                      "positions"});
+    return Fail(
+        Fault(FaultKind::kInvalidOption, "An update has either targets or positions, not both.")
+            .Field("positions"));
   }
   const CompiledHandles& handles = live_->handles();
   std::vector<Target> targets = live_->targets();
@@ -209,11 +207,10 @@ Result<app::LiveSet> StreamDeformReactor::OpenSet() {
   auto options = FromWire(job_open_.options(), engine_.limits);
   if (!options) return Fail(std::move(options.error()));
   if (!v1::Delivery_IsValid(job_open_.delivery())) {
-    return Fail(Fault{FaultKind::kInvalidOption,
-                      "open.delivery has a value that this version does not know.",
-                      {},
-                      {{"value", std::to_string(job_open_.delivery())}},
-                      "open.delivery"});
+    return Fail(Fault(FaultKind::kInvalidOption,
+                      "open.delivery has a value that this version does not know.")
+                    .Field("open.delivery")
+                    .Detail("value", std::to_string(job_open_.delivery())));
   }
   const std::size_t vertices = entry->handles->mesh()->mesh().vertices.size();
   const auto refine = static_cast<std::size_t>(options->deform.refine);

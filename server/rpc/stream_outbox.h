@@ -8,7 +8,7 @@
 
 #include <arap/v1/deformation_service.pb.h>
 
-#include "core/base/fault.h"
+#include "arap/base/fault.h"
 
 namespace arap::rpc {
 

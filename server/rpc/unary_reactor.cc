@@ -5,12 +5,12 @@
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
 
-#include "server/app/names.h"
 #include "server/rpc/cancel.h"
 #include "server/rpc/rpc_log.h"
 #include "server/rpc/status_map.h"
 #include "server/runtime/stopwatch.h"
 #include "server/runtime/worker_pool.h"
+#include "server/sessions/names.h"
 
 namespace arap::rpc {
 namespace {

@@ -4,9 +4,9 @@
 #include <functional>
 #include <string>
 
-#include "core/base/result.h"
-#include "server/app/caller.h"
-#include "server/app/gate.h"
+#include "arap/base/result.h"
+#include "server/access/caller.h"
+#include "server/budget/gate.h"
 #include "server/rpc/call.h"
 
 namespace grpc {

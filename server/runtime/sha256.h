@@ -8,7 +8,7 @@
 
 #include <openssl/types.h>
 
-#include "core/base/result.h"
+#include "arap/base/result.h"
 
 namespace arap::runtime {
 

@@ -116,11 +116,9 @@ Result<std::string> MemoryBlobStore::Get(const std::string& hash) {
   const std::lock_guard lock(mutex_);
   const auto found = blobs_.find(hash);
   if (found != blobs_.end()) return found->second.bytes;
-  return Fail(Fault{FaultKind::kDataLoss,
-                    fmt::format("There is no blob {}.", hash),
-                    {},
-                    {{"blob", hash}, {"why", "missing"}},
-                    {}});
+  return Fail(Fault(FaultKind::kDataLoss, fmt::format("There is no blob {}.", hash))
+                  .Detail("blob", hash)
+                  .Detail("why", "missing"));
 }
 
 Result<SweepReport> MemoryBlobStore::Sweep(const std::set<std::string>& referenced,

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <string>
 
-#include "server/store/blob_store.h"
+#include "server/store/blobs/blob_store.h"
 #include "server/store/spec_store.h"
 
 namespace arap::store {

@@ -5,12 +5,12 @@
 
 #include <fmt/format.h>
 
-#include "server/store/file_blobs.h"
-#include "server/store/files.h"
+#include "server/store/blobs/file_blobs.h"
+#include "server/store/blobs/files.h"
 #include "server/store/memory_store.h"
-#include "server/store/redis_store.h"
-#include "server/store/redis_url.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/redis/redis_store.h"
+#include "server/store/redis/redis_url.h"
+#include "server/store/sqlite/sqlite_store.h"
 #include "server/store/store_fault.h"
 
 namespace arap::store {
@@ -20,7 +20,7 @@ constexpr std::string_view kSqlite = "sqlite:";
 constexpr std::string_view kRedis = "redis:";
 
 Fault Malformed(std::string message, std::string field) {
-  return {FaultKind::kInvalidOption, std::move(message), {}, {}, std::move(field)};
+  return Fault(FaultKind::kInvalidOption, std::move(message)).Field(std::move(field));
 }
 
 std::string WithoutSlash(std::string path) {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "core/base/result.h"
-#include "server/store/blob_store.h"
+#include "arap/base/result.h"
+#include "server/store/blobs/blob_store.h"
 #include "server/store/recovery.h"
 #include "server/store/spec_store.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/base/result.h"
+#include "arap/base/result.h"
 #include "server/store/session_record.h"
 
 namespace arap::store {

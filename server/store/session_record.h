@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/deform/handle.h"
+#include "arap/model/handle.h"
 #include "server/runtime/clock.h"
 
 namespace arap::store {

@@ -7,28 +7,21 @@
 namespace arap::store {
 
 Fault Unavailable(std::string_view why) {
-  Fault fault{FaultKind::kStoreUnavailable,
-              fmt::format("The store of sessions cannot serve: {}.", why),
-              {},
-              {},
-              {}};
+  Fault fault(FaultKind::kStoreUnavailable,
+              fmt::format("The store of sessions cannot serve: {}.", why));
   return fault.Detail("why", std::string(why));
 }
 
 Fault UnavailableErrno(int number) { return Unavailable(std::generic_category().message(number)); }
 
 Fault LostRecord(const SessionKey& key) {
-  Fault fault{FaultKind::kDataLoss,
-              fmt::format("What was stored of the session \"{}\" is damaged.", key.id),
-              {},
-              {},
-              {}};
+  Fault fault(FaultKind::kDataLoss,
+              fmt::format("What was stored of the session \"{}\" is damaged.", key.id));
   return fault.Detail("owner", key.owner).Detail("session", key.id);
 }
 
 Fault LostBlob(const std::string& hash, std::string_view why) {
-  Fault fault{
-      FaultKind::kDataLoss, fmt::format("The stored mesh {} is {}.", hash, why), {}, {}, {}};
+  Fault fault(FaultKind::kDataLoss, fmt::format("The stored mesh {} is {}.", hash, why));
   return fault.Detail("blob", hash).Detail("why", std::string(why));
 }
 

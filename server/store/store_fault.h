@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/base/fault.h"
+#include "arap/base/fault.h"
 #include "server/store/session_record.h"
 
 namespace arap::store {

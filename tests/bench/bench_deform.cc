@@ -9,9 +9,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include "core/deform/compiled_handles.h"
-#include "core/deform/deformer.h"
-#include "core/deform/registered_mesh.h"
+#include "arap/core/compiled_handles.h"
+#include "arap/core/deformer.h"
+#include "arap/core/registered_mesh.h"
 #include "tests/support/meshes.h"
 
 namespace arap {

@@ -8,7 +8,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "core/flatten/flattener.h"
+#include "arap/core/flattener.h"
 #include "core/flatten/prepared_surface.h"
 #include "tests/bench/bumpy_cap.h"
 

@@ -13,7 +13,7 @@ constexpr double kJitter = 0.25;  // of the distance between two rings
 constexpr double kBump = 0.04;
 
 // Of a point of the unit disk.
-Eigen::Vector3d OnCap(Complex p) {
+Point3 OnCap(Complex p) {
   const double polar = kRim * std::abs(p), around = std::arg(p);
   const double bumps = std::sin(9 * p.real()) * std::cos(7 * p.imag() + 1) +
                        0.5 * std::sin(15 * p.imag() - 4 * p.real());

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "core/mesh/mesh.h"
+#include "arap/model/mesh.h"
 
 namespace arap::bench {
 

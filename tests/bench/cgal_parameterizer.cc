@@ -9,6 +9,8 @@
 #include <CGAL/Surface_mesh_parameterization/LSCM_parameterizer_3.h>
 #include <CGAL/Surface_mesh_parameterization/parameterize.h>
 
+#include "core/mesh/space.h"
+
 namespace arap::bench {
 namespace {
 
@@ -21,7 +23,7 @@ using UvMap = Mesh::Property_map<Vertex, Kernel::Point_2>;
 
 Mesh MeshOf(const SurfaceMesh& surface) {
   Mesh mesh;
-  for (const auto& p : surface.vertices) mesh.add_vertex(Kernel::Point_3(p.x(), p.y(), p.z()));
+  for (const auto& p : surface.vertices) mesh.add_vertex(Kernel::Point_3(p[0], p[1], p[2]));
   for (const Triangle& t : surface.triangles) {
     const auto face = mesh.add_face(Vertex(t[0]), Vertex(t[1]), Vertex(t[2]));
     if (face == Mesh::null_face()) std::abort();

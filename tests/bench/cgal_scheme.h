@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh/mesh.h"
+#include "arap/model/mesh.h"
 
 namespace arap::bench {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/deform/deformer.h"
+#include "arap/core/deformer.h"
 
 namespace arap::bench {
 

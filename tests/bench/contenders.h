@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/result.h"
-#include "core/deform/compiled_handles.h"
-#include "core/deform/registered_mesh.h"
+#include "arap/base/result.h"
+#include "arap/core/compiled_handles.h"
+#include "arap/core/registered_mesh.h"
 #include "tests/bench/paper_scheme.h"
 #include "tests/bench/scene.h"
 

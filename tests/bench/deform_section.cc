@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "core/deform/deformer.h"
+#include "arap/core/deformer.h"
 #include "tests/bench/cgal_scheme.h"
 #include "tests/bench/contenders.h"
 #include "tests/bench/samples.h"

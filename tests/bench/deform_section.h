@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/energy/options.h"
+#include "arap/model/energy.h"
 #include "tests/bench/scene.h"
 
 namespace arap::bench {

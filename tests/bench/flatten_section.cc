@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "core/base/stopwatch.h"
-#include "core/flatten/flattener.h"
+#include "arap/core/flattener.h"
+#include "core/base/timer.h"
 #include "tests/bench/apart.h"
 #include "tests/bench/cgal_parameterizer.h"
 #include "tests/bench/contenders.h"

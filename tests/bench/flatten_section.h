@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/mesh/mesh.h"
+#include "arap/model/mesh.h"
 
 namespace arap::bench {
 

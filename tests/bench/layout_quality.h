@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "core/flatten/flattener.h"
-#include "core/mesh/mesh.h"
+#include "arap/core/flattener.h"
+#include "arap/model/mesh.h"
 
 namespace arap::bench {
 

@@ -16,7 +16,7 @@
 
 #include <Eigen/SparseCore>
 
-#include "core/mesh/mesh.h"
+#include "arap/model/mesh.h"
 #include "tests/bench/penalty_system.h"
 
 namespace arap::bench {

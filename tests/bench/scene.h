@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/deform/handle.h"
-#include "core/mesh/mesh.h"
+#include "arap/model/handle.h"
+#include "arap/model/mesh.h"
 
 namespace arap::bench {
 

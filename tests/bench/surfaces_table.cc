@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "core/flatten/flattener.h"
+#include "arap/core/flattener.h"
 #include "tests/bench/contenders.h"
 #include "tests/bench/layout_quality.h"
 
@@ -29,8 +29,8 @@ SurfaceMesh ReadObj(const fs::path& path) {
     std::string kind;
     words >> kind;
     if (kind == "v") {
-      Eigen::Vector3d p;
-      words >> p.x() >> p.y() >> p.z();
+      Point3 p{};
+      words >> p[0] >> p[1] >> p[2];
       mesh.vertices.push_back(p);
     } else if (kind == "f") {
       Triangle triangle;

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "client/cli/mesh_file.h"
+#include "core/files/mesh_file.h"
 #include "tests/cli/csv.h"
 #include "tests/cli/run.h"
 

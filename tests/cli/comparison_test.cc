@@ -1,12 +1,12 @@
 // Several methods side by side, without a server.
-#include "client/cli/svg/comparison.h"
+#include "core/drawing/svg/comparison.h"
 
 #include <cmath>
 
 #include <gmock/gmock.h>
 
-#include "client/cli/compare.h"
-#include "client/cli/svg/front_view.h"
+#include "client/cli/commands/compare.h"
+#include "core/drawing/svg/front_view.h"
 
 namespace arap::cli {
 namespace {

@@ -6,11 +6,11 @@
 
 #include <gtest/gtest.h>
 
-#include "client/cli/mesh_file.h"
-#include "client/cli/track.h"
-#include "core/deform/compiled_handles.h"
-#include "core/deform/deformer.h"
-#include "core/deform/registered_mesh.h"
+#include "arap/core/compiled_handles.h"
+#include "arap/core/deformer.h"
+#include "arap/core/registered_mesh.h"
+#include "core/files/mesh_file.h"
+#include "core/files/track.h"
 #include "tests/support/compare.h"
 
 namespace arap::cli {

@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "client/cli/mesh_file.h"
 #include "client/cli/sample/grid.h"
-#include "client/cli/track.h"
+#include "core/files/mesh_file.h"
+#include "core/files/track.h"
 #include "tests/cli/csv.h"
 #include "tests/cli/run.h"
 

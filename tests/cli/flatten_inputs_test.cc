@@ -1,9 +1,9 @@
 // Seams, pins, rigidity and grain lines as they are written in files and on the command line.
-#include "client/cli/flatten_inputs.h"
+#include "client/cli/commands/flatten_inputs.h"
 
 #include <gmock/gmock.h>
 
-#include "client/cli/flatten_flags.h"
+#include "client/cli/commands/flatten_flags.h"
 
 namespace arap::cli {
 namespace {

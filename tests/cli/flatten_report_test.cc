@@ -1,10 +1,10 @@
-#include "client/cli/flatten_report.h"
+#include "client/cli/commands/flatten_report.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "client/cli/flatten_call.h"
-#include "client/cli/flatten_inputs.h"
+#include "client/cli/commands/flatten_call.h"
+#include "client/cli/commands/flatten_inputs.h"
 
 namespace arap::cli {
 namespace {

@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "client/cli/mesh_file.h"
 #include "client/cli/sample/grid.h"
+#include "core/files/mesh_file.h"
 #include "tests/cli/run.h"
 
 namespace arap::cli {

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "client/cli/load_stream.h"
+#include "client/cli/load/load_stream.h"
 #include "tests/cli/run.h"
 
 namespace arap::cli {

@@ -1,4 +1,4 @@
-#include "client/cli/mesh_file.h"
+#include "core/files/mesh_file.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // Patterns at true size: what is drawn, and that SVG and DXF files say it in millimetres.
-#include "client/cli/pattern.h"
+#include "core/drawing/pattern.h"
 
 #include <cmath>
 #include <map>
@@ -8,9 +8,9 @@
 
 #include <gmock/gmock.h>
 
-#include "client/cli/dxf_format.h"
-#include "client/cli/svg/pattern_sheet.h"
-#include "client/cli/svg/view.h"
+#include "core/drawing/dxf.h"
+#include "core/drawing/svg/pattern_sheet.h"
+#include "core/drawing/svg/view.h"
 
 namespace arap::cli {
 namespace {

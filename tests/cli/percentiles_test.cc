@@ -1,4 +1,4 @@
-#include "client/cli/percentiles.h"
+#include "client/cli/load/percentiles.h"
 
 #include <gtest/gtest.h>
 

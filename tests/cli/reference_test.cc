@@ -6,9 +6,9 @@
 
 #include <gmock/gmock.h>
 
-#include "client/cli/mesh_file.h"
-#include "client/cli/svg/view.h"
-#include "client/cli/track.h"
+#include "core/drawing/svg/view.h"
+#include "core/files/mesh_file.h"
+#include "core/files/track.h"
 #include "tests/cli/csv.h"
 #include "tests/cli/run.h"
 

@@ -11,7 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "client/cli/text_file.h"
+#include "core/files/text_file.h"
 
 namespace arap::cli {
 namespace {

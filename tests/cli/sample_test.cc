@@ -8,13 +8,13 @@
 
 #include <gtest/gtest.h>
 
-#include "client/cli/mesh_file.h"
 #include "client/cli/sample/character.h"
 #include "client/cli/sample/face.h"
 #include "client/cli/sample/garment.h"
 #include "client/cli/sample/grid.h"
 #include "client/cli/sample/point.h"
-#include "client/cli/svg/mesh_lines.h"
+#include "core/drawing/svg/mesh_lines.h"
+#include "core/files/mesh_file.h"
 
 namespace arap::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "arap/client/client.h"
-#include "client/cli/connection.h"
+#include "client/cli/connect/connection.h"
 #include "client/cli/sample/grid.h"
 
 namespace arap::cli {

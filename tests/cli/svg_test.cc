@@ -4,11 +4,11 @@
 
 #include <gmock/gmock.h>
 
-#include "client/cli/svg/animation.h"
-#include "client/cli/svg/document.h"
-#include "client/cli/svg/mesh_lines.h"
-#include "client/cli/svg/strain.h"
-#include "client/cli/svg/view.h"
+#include "core/drawing/svg/animation.h"
+#include "core/drawing/svg/document.h"
+#include "core/drawing/svg/mesh_lines.h"
+#include "core/drawing/svg/strain.h"
+#include "core/drawing/svg/view.h"
 
 namespace arap::cli {
 namespace {

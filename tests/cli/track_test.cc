@@ -1,4 +1,4 @@
-#include "client/cli/track.h"
+#include "core/files/track.h"
 
 #include <gmock/gmock.h>
 

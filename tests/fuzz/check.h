@@ -4,8 +4,8 @@
 
 #include <span>
 
-#include "core/base/fault.h"
-#include "core/mesh/mesh.h"
+#include "arap/base/fault.h"
+#include "arap/model/mesh.h"
 
 namespace google::protobuf {
 class Message;

@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "core/deform/compiled_handles.h"
-#include "core/deform/deformer.h"
-#include "core/deform/pick.h"
-#include "core/deform/registered_mesh.h"
+#include "arap/core/compiled_handles.h"
+#include "arap/core/deformer.h"
+#include "arap/core/pick.h"
+#include "arap/core/registered_mesh.h"
 #include "tests/fuzz/check.h"
 #include "tests/fuzz/shapes.h"
 #include "tests/fuzz/targets.h"

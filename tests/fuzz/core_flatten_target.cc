@@ -1,5 +1,5 @@
 // Cutting and flattening of the core, with every option.
-#include "core/flatten/flattener.h"
+#include "arap/core/flattener.h"
 #include "tests/fuzz/check.h"
 #include "tests/fuzz/shapes.h"
 #include "tests/fuzz/targets.h"

@@ -107,7 +107,7 @@ SurfaceMesh SurfaceFrom(Bytes& bytes) {
     for (std::uint32_t v = 0; v < sheet.vertices(); ++v) {
       const double x = v % sheet.columns() + 10 * piece, y = v / sheet.columns();
       // A bump, so that closed sheets are not flat and open ones are not developable.
-      mesh.vertices.emplace_back(x, y, 0.25 * x * y - 0.125 * x * x);
+      mesh.vertices.push_back({x, y, 0.25 * x * y - 0.125 * x * x});
     }
   }
   for (std::uint32_t moves = bytes.Below(16); moves > 0; --moves) {

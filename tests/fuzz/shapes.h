@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/energy/options.h"
-#include "core/mesh/mesh.h"
+#include "arap/model/energy.h"
+#include "arap/model/mesh.h"
 #include "tests/fuzz/bytes.h"
 
 namespace arap::fuzz {

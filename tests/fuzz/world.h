@@ -7,7 +7,7 @@
 #include <arap/v1/deformation_service.grpc.pb.h>
 #include <grpcpp/grpcpp.h>
 
-#include "server/app/engine.h"
+#include "server/engine.h"
 #include "server/rpc/call.h"
 #include "server/rpc/caller_of.h"
 #include "server/rpc/services.h"

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/mesh/space.h"
+
 namespace arap::testing {
 
 double Diagonal(std::span<const Complex> points) {
@@ -71,7 +73,7 @@ double WorstEdge(const SurfaceMesh& mesh, std::span<const Complex> uv) {
   for (const Triangle& t : mesh.triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-      const double length = (mesh.vertices[a] - mesh.vertices[b]).norm();
+      const double length = (Vec(mesh.vertices[a]) - Vec(mesh.vertices[b])).norm();
       worst = std::max(worst, std::abs(std::abs(uv[a] - uv[b]) / length - 1));
     }
   }

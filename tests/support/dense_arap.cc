@@ -4,6 +4,8 @@
 
 #include <Eigen/Dense>
 
+#include "core/mesh/space.h"
+
 namespace arap::testing {
 namespace {
 
@@ -106,8 +108,8 @@ FaceCells CellsOf(const PlanarMesh& mesh) {
 FaceCells CellsOf(const SurfaceMesh& mesh) {
   FaceCells cells{mesh.vertices.size(), mesh.triangles, {}};
   for (const Triangle& t : mesh.triangles) {
-    const Eigen::Vector3d ab = mesh.vertices[t[1]] - mesh.vertices[t[0]];
-    const Eigen::Vector3d ac = mesh.vertices[t[2]] - mesh.vertices[t[0]];
+    const Eigen::Vector3d ab = Vec(mesh.vertices[t[1]]) - Vec(mesh.vertices[t[0]]);
+    const Eigen::Vector3d ac = Vec(mesh.vertices[t[2]]) - Vec(mesh.vertices[t[0]]);
     const double length = ab.norm();
     cells.rest.push_back({Complex(0, 0), Complex(length, 0),
                           Complex(ac.dot(ab) / length, ab.cross(ac).norm() / length)});

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "core/mesh/mesh.h"
+#include "arap/model/mesh.h"
 #include "tests/support/textbook.h"
 
 namespace arap::testing {

@@ -7,6 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include "core/mesh/space.h"
+
 namespace arap::testing {
 namespace {
 
@@ -59,23 +61,25 @@ double Cotangent(const Eigen::Vector3d& apex, const Eigen::Vector3d& i, const Ei
   return a.dot(b) / a.cross(b).norm();
 }
 
-double EdgeWeight(const DirectedEdge& edge, const std::vector<Eigen::Vector3d>& vertices,
-                  Weights weights, bool both) {
+double EdgeWeight(const DirectedEdge& edge, const std::vector<Point3>& vertices, Weights weights,
+                  bool both) {
   double weight = 1;
   if (weights == Weights::kCotangent) {
     weight = 0;
     for (const auto& apex : {edge.left, edge.right}) {
-      if (apex) weight += 0.5 * Cotangent(vertices[*apex], vertices[edge.i], vertices[edge.j]);
+      if (apex)
+        weight +=
+            0.5 * Cotangent(Vec(vertices[*apex]), Vec(vertices[edge.i]), Vec(vertices[edge.j]));
     }
     weight = std::max(weight, kMinCotangent);
   }
   return both ? weight / 2 : weight;
 }
 
-std::vector<Eigen::Vector3d> Raised(const std::vector<Complex>& vertices) {
-  std::vector<Eigen::Vector3d> raised;
+std::vector<Point3> Raised(const std::vector<Complex>& vertices) {
+  std::vector<Point3> raised;
   raised.reserve(vertices.size());
-  for (const Complex& v : vertices) raised.emplace_back(v.real(), v.imag(), 0);
+  for (const Complex& v : vertices) raised.push_back({v.real(), v.imag(), 0});
   return raised;
 }
 
@@ -91,14 +95,15 @@ Eigen::Vector2d LaidBeside(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
 }  // namespace
 
 std::vector<Hinge> PlanarHinges(const PlanarMesh& mesh, bool both_directions, Weights weights) {
-  const std::vector<Eigen::Vector3d> vertices = Raised(mesh.vertices);
+  const std::vector<Point3> vertices = Raised(mesh.vertices);
   std::vector<Hinge> hinges;
   for (const DirectedEdge& edge : DirectedEdges(mesh.triangles, both_directions)) {
     Hinge hinge;
     hinge.vertices = {edge.i, edge.j};
     if (edge.left) hinge.vertices.push_back(*edge.left);
     if (edge.right) hinge.vertices.push_back(*edge.right);
-    for (const std::uint32_t v : hinge.vertices) hinge.rest.emplace_back(vertices[v].head<2>());
+    for (const std::uint32_t v : hinge.vertices)
+      hinge.rest.emplace_back(vertices[v][0], vertices[v][1]);
     hinge.weight = EdgeWeight(edge, vertices, weights, both_directions);
     hinges.push_back(std::move(hinge));
   }
@@ -109,19 +114,19 @@ std::vector<Hinge> UnfoldedHinges(const SurfaceMesh& mesh, bool both_directions,
                                   Slip slip) {
   std::vector<Hinge> hinges;
   for (const DirectedEdge& edge : DirectedEdges(mesh.triangles, both_directions)) {
-    const Eigen::Vector3d& a = mesh.vertices[edge.i];
-    const Eigen::Vector3d& b = mesh.vertices[edge.j];
+    const auto a = Vec(mesh.vertices[edge.i]);
+    const auto b = Vec(mesh.vertices[edge.j]);
     Hinge hinge;
     hinge.vertices = {edge.i, edge.j};
     hinge.rest = {Eigen::Vector2d(0, 0), Eigen::Vector2d((b - a).norm(), 0)};
     if (edge.left) {
       hinge.vertices.push_back(*edge.left);
-      hinge.rest.push_back(LaidBeside(a, b, mesh.vertices[*edge.left], true));
+      hinge.rest.push_back(LaidBeside(a, b, Vec(mesh.vertices[*edge.left]), true));
     }
     if (edge.right) {
       const bool above = edge.left ? slip == Slip::kSameSide : slip == Slip::kBoundaryAbove;
       hinge.vertices.push_back(*edge.right);
-      hinge.rest.push_back(LaidBeside(a, b, mesh.vertices[*edge.right], above));
+      hinge.rest.push_back(LaidBeside(a, b, Vec(mesh.vertices[*edge.right]), above));
     }
     hinge.weight = EdgeWeight(edge, mesh.vertices, weights, both_directions);
     hinges.push_back(std::move(hinge));

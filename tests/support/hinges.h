@@ -8,8 +8,8 @@
 
 #include <Eigen/Core>
 
-#include "core/energy/options.h"
-#include "core/mesh/mesh.h"
+#include "arap/model/energy.h"
+#include "arap/model/mesh.h"
 
 namespace arap::testing {
 

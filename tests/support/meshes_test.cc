@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "core/mesh/space.h"
 #include "tests/support/compare.h"
 #include "tests/support/poses.h"
 #include "tests/support/surfaces.h"
@@ -62,7 +63,7 @@ void ExpectIsometric(const Developable& sheet) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k];
       const std::uint32_t b = t[(k + 1) % 3];
-      EXPECT_NEAR((sheet.surface.vertices[b] - sheet.surface.vertices[a]).norm(),
+      EXPECT_NEAR((Vec(sheet.surface.vertices[b]) - Vec(sheet.surface.vertices[a])).norm(),
                   std::abs(sheet.flat[b] - sheet.flat[a]), 1e-12);
     }
   }
@@ -77,8 +78,8 @@ TEST(Surfaces, DevelopablesAreIsometricToTheirFlatPositions) {
 TEST(Surfaces, SphereCapFacesOutwards) {
   const SurfaceMesh cap = SphereCap(4, 12, 1.2);
   for (const Triangle& t : cap.triangles) {
-    const Eigen::Vector3d& a = cap.vertices[t[0]];
-    EXPECT_GT((cap.vertices[t[1]] - a).cross(cap.vertices[t[2]] - a).dot(a), 0);
+    const auto a = Vec(cap.vertices[t[0]]);
+    EXPECT_GT((Vec(cap.vertices[t[1]]) - a).cross(Vec(cap.vertices[t[2]]) - a).dot(a), 0);
   }
 }
 

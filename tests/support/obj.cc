@@ -17,9 +17,9 @@ SurfaceMesh ReadObj(const std::filesystem::path& file) {
     std::array<std::string, 3> parts;
     if (!(words >> kind >> parts[0] >> parts[1] >> parts[2])) continue;
     if (kind == "v") {
-      mesh.vertices.emplace_back(std::strtod(parts[0].c_str(), nullptr),
-                                 std::strtod(parts[1].c_str(), nullptr),
-                                 std::strtod(parts[2].c_str(), nullptr));
+      mesh.vertices.push_back({std::strtod(parts[0].c_str(), nullptr),
+                               std::strtod(parts[1].c_str(), nullptr),
+                               std::strtod(parts[2].c_str(), nullptr)});
     } else if (kind == "f") {
       Triangle t{};
       for (std::size_t k = 0; k < 3; ++k) {

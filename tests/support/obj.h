@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "core/mesh/mesh.h"
+#include "arap/model/mesh.h"
 
 namespace arap::testing {
 

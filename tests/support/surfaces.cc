@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/mesh/space.h"
 #include "tests/support/meshes.h"
 #include "tests/support/random.h"
 
@@ -33,7 +34,7 @@ Developable BentSheet(std::size_t nx, std::size_t ny, double width, double heigh
     for (std::size_t i = 0; i <= nx; ++i) {
       const double along = rise * (static_cast<double>(j) + random.Uniform(-0.3, 0.3));
       result.flat.emplace_back(step * static_cast<double>(i), along);
-      result.surface.vertices.emplace_back(profile[i].real(), along, profile[i].imag());
+      result.surface.vertices.push_back({profile[i].real(), along, profile[i].imag()});
     }
   }
   result.surface.triangles =
@@ -72,8 +73,8 @@ Developable ConePatch(std::size_t sectors, std::size_t rings, double inner, doub
       const double flat = flat_step * static_cast<double>(i);
       const double space = space_step * static_cast<double>(i);
       result.flat.push_back(std::polar(radius, flat));
-      result.surface.vertices.emplace_back(radius * sine * std::cos(space),
-                                           radius * sine * std::sin(space), -radius * cosine);
+      result.surface.vertices.push_back(
+          {radius * sine * std::cos(space), radius * sine * std::sin(space), -radius * cosine});
     }
   }
   result.surface.triangles =
@@ -83,14 +84,14 @@ Developable ConePatch(std::size_t sectors, std::size_t rings, double inner, doub
 
 SurfaceMesh SphereCap(std::size_t rings, std::size_t sectors, double polar_angle) {
   SurfaceMesh mesh;
-  mesh.vertices.emplace_back(0, 0, 1);
+  mesh.vertices.push_back({0, 0, 1});
   for (std::size_t r = 1; r <= rings; ++r) {
     const double polar = polar_angle * static_cast<double>(r) / static_cast<double>(rings);
     for (std::size_t s = 0; s < sectors; ++s) {
       const double azimuth =
           2 * std::numbers::pi * static_cast<double>(s) / static_cast<double>(sectors);
-      mesh.vertices.emplace_back(std::sin(polar) * std::cos(azimuth),
-                                 std::sin(polar) * std::sin(azimuth), std::cos(polar));
+      mesh.vertices.push_back({std::sin(polar) * std::cos(azimuth),
+                               std::sin(polar) * std::sin(azimuth), std::cos(polar)});
     }
   }
   const auto index = [&](std::size_t r, std::size_t s) {
@@ -115,7 +116,7 @@ SurfaceMesh Sphere(std::size_t rings, std::size_t sectors) {
   SurfaceMesh mesh = SphereCap(rings - 1, sectors, polar);
   const auto south = static_cast<std::uint32_t>(mesh.vertices.size());
   const auto last = static_cast<std::uint32_t>(south - sectors);
-  mesh.vertices.emplace_back(0, 0, -1);
+  mesh.vertices.push_back({0, 0, -1});
   for (std::uint32_t s = 0; s < sectors; ++s) {
     const auto next = static_cast<std::uint32_t>((s + 1) % sectors);
     mesh.triangles.push_back({last + s, south, last + next});
@@ -134,7 +135,7 @@ SurfaceMesh Torus(std::size_t around, std::size_t across, double radius, double 
   for (std::size_t i = 0; i < around; ++i) {
     for (std::size_t j = 0; j < across; ++j) {
       const double a = angle(i, around), b = angle(j, across), r = radius + tube * std::cos(b);
-      mesh.vertices.emplace_back(r * std::cos(a), r * std::sin(a), tube * std::sin(b));
+      mesh.vertices.push_back({r * std::cos(a), r * std::sin(a), tube * std::sin(b)});
       mesh.triangles.push_back({index(i, j), index(i + 1, j), index(i + 1, j + 1)});
       mesh.triangles.push_back({index(i, j), index(i + 1, j + 1), index(i, j + 1)});
     }
@@ -153,7 +154,7 @@ SurfaceMesh PlateWithHoles(std::size_t holes, std::size_t cells) {
   std::map<Point, std::uint32_t> numbers;  // by lattice point, in units of 1 / cells
   const auto number = [&](const Point& p) {
     const auto [it, fresh] = numbers.emplace(p, mesh.vertices.size());
-    if (fresh) mesh.vertices.emplace_back(Eigen::Vector3d(p[0], p[1], p[2]) / n);
+    if (fresh) mesh.vertices.push_back(ToPoint3(Eigen::Vector3d(p[0], p[1], p[2]) / n));
     return it->second;
   };
   // Between every cube and the space behind each of its faces.
@@ -195,7 +196,7 @@ SurfaceMesh MoebiusBand(std::size_t n) {
     const double a = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n);
     for (const double s : {-0.3, 0.3}) {
       const double r = 1 + s * std::cos(a / 2);
-      band.vertices.emplace_back(r * std::cos(a), r * std::sin(a), s * std::sin(a / 2));
+      band.vertices.push_back({r * std::cos(a), r * std::sin(a), s * std::sin(a / 2)});
     }
   }
   for (std::uint32_t i = 0; i < n; ++i) {
@@ -212,7 +213,7 @@ SurfaceMesh Together(const SurfaceMesh& first, const SurfaceMesh& second,
                      const Eigen::Vector3d& shift) {
   SurfaceMesh both = first;
   const auto offset = static_cast<std::uint32_t>(first.vertices.size());
-  for (const auto& p : second.vertices) both.vertices.push_back(p + shift);
+  for (const auto& p : second.vertices) both.vertices.push_back(ToPoint3(Vec(p) + shift));
   for (const Triangle& t : second.triangles) {
     both.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
   }

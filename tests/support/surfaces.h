@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/mesh/mesh.h"
+#include "arap/model/mesh.h"
 
 namespace arap::testing {
 

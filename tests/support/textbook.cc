@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include "core/mesh/space.h"
+
 namespace arap::testing {
 namespace {
 
@@ -216,12 +218,12 @@ std::vector<Complex> TextbookFlatten(const SurfaceMesh& mesh, bool both_directio
                                      std::vector<Complex>* first_step, Slip slip) {
   const std::size_t n = mesh.vertices.size();
   Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& v : mesh.vertices) box.extend(v);
+  for (const Point3& v : mesh.vertices) box.extend(Vec(v));
   const double unit = box.diagonal().norm();
   SurfaceMesh rest = mesh;
-  for (Eigen::Vector3d& v : rest.vertices) v = (v - box.center()) / unit;
+  for (Point3& v : rest.vertices) v = ToPoint3((Vec(v) - box.center()) / unit);
   const std::vector<Hinge> hinges = UnfoldedHinges(rest, both_directions, weights, slip);
-  const double length = (rest.vertices[b] - rest.vertices[a]).norm();
+  const double length = (Vec(rest.vertices[b]) - Vec(rest.vertices[a])).norm();
 
   const auto scalar = [](double value) { return Eigen::RowVectorXd::Constant(1, value).eval(); };
   const MatrixXd l1 = FirstMatrix(hinges, n, slip);

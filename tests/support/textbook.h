@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "core/energy/options.h"
-#include "core/mesh/mesh.h"
+#include "arap/model/energy.h"
+#include "arap/model/mesh.h"
 #include "tests/support/hinges.h"
 
 namespace arap::testing {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "arap/client/mesh.h"
-#include "client/cli/track.h"
+#include "core/files/track.h"
 
 namespace arap::cli {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "arap/client/mesh.h"
-#include "client/cli/track.h"
+#include "core/files/track.h"
 
 namespace arap::cli {
 

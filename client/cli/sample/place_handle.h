@@ -5,7 +5,7 @@
 
 #include "arap/client/mesh.h"
 #include "client/cli/sample/point.h"
-#include "client/cli/track.h"
+#include "core/files/track.h"
 
 namespace arap::cli {
 

@@ -1,4 +1,4 @@
-// Errors: every call answers a Result whose error is a Fault (core/base/fault.h).
+// Errors: every call answers a Result whose error is a Fault (core/include/arap/base/fault.h).
 //
 //  kind      from the reason that the server gave. Without one the transport failed, and the kind
 //  is
@@ -12,8 +12,8 @@
 
 #include <string_view>
 
-#include "core/base/fault.h"
-#include "core/base/result.h"
+#include "arap/base/fault.h"
+#include "arap/base/result.h"
 
 namespace arap::client {
 

@@ -1,0 +1,126 @@
+#include "client/cli/commands/drag_loop.h"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace arap::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double MicrosSince(Clock::time_point then) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - then).count();
+}
+
+// A shape and what it answers.
+struct Answer {
+  DragCue cue;
+  client::Shape shape;
+};
+
+auto NotAsked() {
+  return Fail(FaultKind::kInternal, "the server answered something that was not asked");
+}
+
+// The next answer; empty at the end of the stream. Anything else is a fault.
+Result<std::optional<Answer>> ReadAnswer(client::DeformStream& stream, const DragScript& script) {
+  Result<std::optional<client::StreamEvent>> event = stream.Read();
+  if (!event) return Fail(event.error());
+  if (!*event) return std::optional<Answer>();
+  if (auto* error = std::get_if<client::UpdateError>(&**event)) {
+    if (const auto cue = script.CueOf(error->sequence)) {
+      error->fault.message = fmt::format("{} {}: {}", cue->edit ? "edit before frame" : "frame",
+                                         cue->frame, error->fault.message);
+    }
+    return Fail(error->fault);
+  }
+  auto* shape = std::get_if<client::Shape>(&**event);
+  if (shape == nullptr) return NotAsked();
+  const std::optional<DragCue> cue = script.CueOf(shape->sequence);
+  const bool last = cue && !cue->edit && cue->frame + 1 == script.frame_count();
+  if (!cue || 2 * shape->picks.size() != (last ? script.pick_points().size() : 0)) {
+    return NotAsked();
+  }
+  return std::optional<Answer>({*cue, std::move(*shape)});
+}
+
+void Count(Answer& answer, double round_trip, const DragScript& script, const OnShape& on_shape,
+           DragTimes& times) {
+  const client::Shape& shape = answer.shape;
+  const std::size_t frame = answer.cue.frame;
+  if (answer.cue.edit) {
+    const TrackEdit& edit = *script.EditAt(frame);
+    times.edits.push_back({frame, edit.remove.size(), edit.add.size(), shape.queue_micros,
+                           shape.solve_micros, round_trip});
+    return;
+  }
+  ++times.answered;
+  times.round_trip_micros.push_back(round_trip);
+  times.queue_micros.push_back(shape.queue_micros);
+  times.solve_micros.push_back(shape.solve_micros);
+  times.replaced += shape.replaced;
+  if (shape.flipped_count > 0) ++times.frames_with_flips;
+  times.most_flips = std::max<std::size_t>(times.most_flips, shape.flipped_count);
+  times.worst_handle_error = std::max(times.worst_handle_error, shape.worst_handle_error);
+  on_shape(frame, shape);
+  if (!shape.picks.empty()) times.picks = std::move(answer.shape.picks);
+}
+
+}  // namespace
+
+Result<DragTimes> DragEvery(client::DeformStream& stream, const DragScript& script,
+                            const OnShape& on_shape) {
+  DragTimes times;
+  // A failed send is explained by the read.
+  const auto ask = [&](std::size_t frame, auto send) -> Status {
+    const Clock::time_point sent = Clock::now();
+    (void)(script.*send)(stream, frame);
+    Result<std::optional<Answer>> answer = ReadAnswer(stream, script);
+    if (!answer) return Fail(answer.error());
+    if (!*answer) return Fail(FaultKind::kInternal, "the server ended the stream early");
+    Count(**answer, MicrosSince(sent), script, on_shape, times);
+    return {};
+  };
+  for (std::size_t i = 0; i < script.frame_count(); ++i) {
+    if (script.EditAt(i) != nullptr) {
+      if (Status edited = ask(i, &DragScript::SendEdit); !edited) return Fail(edited.error());
+    }
+    ++times.sent;
+    if (Status updated = ask(i, &DragScript::SendUpdate); !updated) return Fail(updated.error());
+  }
+  return times;
+}
+
+Result<DragTimes> DragLatest(client::DeformStream& stream, const DragScript& script, double rate,
+                             const OnShape& on_shape) {
+  DragTimes times;
+  const Clock::time_point start = Clock::now();
+  const auto due = [&](std::size_t frame) {
+    const std::chrono::duration<double> after(static_cast<double>(frame) / rate);
+    return start + std::chrono::duration_cast<Clock::duration>(after);
+  };
+  const std::jthread writer([&](const std::stop_token& stop) {
+    for (std::size_t i = 0; i < script.frame_count() && !stop.stop_requested(); ++i) {
+      std::this_thread::sleep_until(due(i));
+      if (!script.SendEdit(stream, i) || !script.SendUpdate(stream, i)) break;
+    }
+    (void)stream.CloseSending();
+  });
+  times.sent = script.frame_count();
+  for (;;) {
+    Result<std::optional<Answer>> answer = ReadAnswer(stream, script);
+    if (!answer) {
+      stream.Cancel();  // frees a writer that waits for the server to read
+      return Fail(answer.error());
+    }
+    if (!*answer) return times;
+    const double round_trip = MicrosSince(due((*answer)->cue.frame));
+    Count(**answer, round_trip, script, on_shape, times);
+  }
+}
+
+}  // namespace arap::cli

@@ -1,0 +1,167 @@
+// arapctl figures: Figures 2, 3 and 6 of [II09], drawn from what a server answers.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "client/cli/commands/commands.h"
+#include "client/cli/commands/compare.h"
+#include "client/cli/commands/flatten_call.h"
+#include "client/cli/connect/connection.h"
+#include "client/cli/report.h"
+#include "client/cli/sample/character.h"
+#include "client/cli/sample/face.h"
+#include "core/drawing/svg/animation.h"
+#include "core/drawing/svg/comparison.h"
+#include "core/files/text_file.h"
+#include "core/files/track.h"
+
+namespace arap::cli {
+namespace {
+
+struct FiguresOptions {
+  ServerFlags server;
+  std::string out = ".";
+};
+
+// The sample character at a session, pulled by its five handles into one pose.
+class Puppet {
+ public:
+  explicit Puppet(client::Session session)
+      : session_(std::move(session)),
+        mesh_(MakeCharacter(1.5 * kCharacterEdge)),
+        track_(MakeCharacterTrack(mesh_)) {
+    film_.triangles = mesh_.triangles;
+  }
+
+  // A panel of the rest shape.
+  void AddRest(std::string label) {
+    std::vector<double> handles;
+    for (const TrackHandle& h : track_.handles) {
+      handles.insert(handles.end(), {h.rest_x, h.rest_y});
+    }
+    AddPanel(mesh_.vertices, std::move(handles), std::move(label));
+  }
+
+  // A panel of the pose. `spread` pulls the handles away from their middle, then the first one is
+  // swung up: spread 1 keeps the distances about as they are.
+  Status AddPose(client::Basis basis, client::DeformMode mode, double spread, std::string label) {
+    const std::string id = fmt::format("figure-{}", poses_++);
+    auto mesh = session_.RegisterMesh(mesh_, {basis, client::EdgeWeights::kUniform, {}}, id);
+    if (!mesh) return Fail(mesh.error());
+    auto set = session_.CompileHandles(id, id, ToHandles(track_, /*hard=*/false));
+    if (!set) return Fail(set.error());
+    const std::vector<client::HandleTarget> targets = Pose(spread);
+    auto shape = session_.Deform(id, targets, {mode, 0, true, false});
+    if (!shape) return Fail(shape.error());
+    std::vector<double> handles;
+    for (const client::HandleTarget& t : targets) handles.insert(handles.end(), {t.x, t.y});
+    AddPanel(shape->positions, std::move(handles), std::move(label));
+    return {};
+  }
+
+  Film Take(std::string caption) {
+    film_.caption = std::move(caption);
+    Film film;
+    film.triangles = film_.triangles;
+    std::swap(film, film_);
+    return film;
+  }
+
+ private:
+  void AddPanel(std::vector<double> shape, std::vector<double> handles, std::string label) {
+    film_.numbers.push_back(film_.frame_count());
+    film_.shapes.push_back(std::move(shape));
+    film_.handles.push_back(std::move(handles));
+    film_.labels.push_back(std::move(label));
+  }
+
+  // The frame of the wave in which the arm is highest, spread about the middle of the handles.
+  std::vector<client::HandleTarget> Pose(double spread) const {
+    const std::vector<double>& wave = track_.frames[track_.frames.size() / 4].targets;
+    double x = 0, y = 0;
+    const auto count = static_cast<double>(track_.handles.size());
+    for (std::size_t i = 0; i < track_.handles.size(); ++i) {
+      x += wave[2 * i] / count;
+      y += wave[2 * i + 1] / count;
+    }
+    std::vector<client::HandleTarget> targets;
+    for (std::size_t i = 0; i < track_.handles.size(); ++i) {
+      targets.push_back({track_.handles[i].name, x + spread * (wave[2 * i] - x),
+                         y + spread * (wave[2 * i + 1] - y), 0, 1});
+    }
+    return targets;
+  }
+
+  client::Session session_;
+  client::PlanarMesh mesh_;
+  Track track_;
+  int poses_ = 0;
+  Film film_;
+};
+
+Status DrawDeformations(const client::Client& client, const std::string& folder) {
+  auto session = client.CreateSession();
+  if (!session) return Fail(session.error());
+  Puppet puppet(*session);
+  using client::Basis;
+  using client::DeformMode;
+
+  puppet.AddRest("handles");
+  for (const auto& [mode, label] : {std::pair{DeformMode::kSimilarity, "first step"},
+                                    std::pair{DeformMode::kRigid, "second step"}}) {
+    if (auto ok = puppet.AddPose(Basis::kEdgeAsPublished, mode, 1.35, label); !ok) return ok;
+  }
+  const Film second = puppet.Take(
+      "The first step is free to scale; the second adjusts the scale (edges as published)");
+  for (const auto& [basis, label] :
+       {std::pair{Basis::kVertex, "vertex"}, std::pair{Basis::kFace, "face"},
+        std::pair{Basis::kEdge, "edge"}}) {
+    if (auto ok = puppet.AddPose(basis, DeformMode::kRigid, 1.15, label); !ok) return ok;
+  }
+  const Film third = puppet.Take("One pose in the three representations");
+  if (auto ok = session->Delete(); !ok) return ok;
+  if (auto ok = WriteTextFile(folder + "/figure2.svg", FormatSheet(second, 3)); !ok) return ok;
+  return WriteTextFile(folder + "/figure3.svg", FormatSheet(third, 3));
+}
+
+Status DrawFlattenings(const client::Client& client, const std::string& folder) {
+  const client::SurfaceMesh face = MakeFace(kFaceEdge);
+  const auto panels =
+      CompareMethods({}, [&](const client::FlattenOptions& options, const std::string& what) {
+        return FlattenWaiting(client, face, options, std::nullopt, what);
+      });
+  if (!panels) return Fail(panels.error());
+  return WriteTextFile(
+      folder + "/figure6.svg",
+      FormatComparison(face, *panels,
+                       "A face laid flat; the squares have one size on every layout"));
+}
+
+Status Draw(const FiguresOptions& options) {
+  const Result<Connection> connection = Connection::Open(options.server);
+  if (!connection) return Fail(connection.error());
+  if (auto ok = DrawDeformations(connection->client(), options.out); !ok) return ok;
+  return DrawFlattenings(connection->client(), options.out);
+}
+
+}  // namespace
+
+void AddFigures(CLI::App& app, Run& run) {
+  auto options = std::make_shared<FiguresOptions>();
+  CLI::App* const command = app.add_subcommand("figures",
+                                               "Draw Figures 2, 3 and 6 of the paper: the two "
+                                               "steps, the three representations, flattenings");
+  AddServerFlags(*command, options->server);
+  command->add_option("--out", options->out,
+                      "the folder for figure2.svg, figure3.svg and figure6.svg");
+  command->callback([options, &run] {
+    run = [options] {
+      const Status drawn = Draw(*options);
+      return drawn ? kOk : Complain(drawn.error());
+    };
+  });
+}
+
+}  // namespace arap::cli

@@ -1,0 +1,94 @@
+// arapctl flatten: a surface laid flat, true to size.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "client/cli/commands/commands.h"
+#include "client/cli/commands/compare.h"
+#include "client/cli/commands/flatten_call.h"
+#include "client/cli/commands/flatten_flags.h"
+#include "client/cli/commands/flatten_report.h"
+#include "client/cli/report.h"
+#include "core/drawing/dxf.h"
+#include "core/drawing/pattern.h"
+#include "core/drawing/svg/comparison.h"
+#include "core/drawing/svg/pattern_sheet.h"
+#include "core/files/mesh_file.h"
+#include "core/files/text_file.h"
+
+namespace arap::cli {
+namespace {
+
+// Writes `text` unless no name is given.
+Status WriteWanted(const std::string& path, const std::string& text) {
+  return path.empty() ? Status() : WriteTextFile(path, text);
+}
+
+Status WriteLayout(const FlattenFlags& flags, const client::FlattenOptions& options,
+                   const client::SurfaceMesh& mesh, const client::FlatSurface& flat) {
+  const std::vector<std::string> summary = Summary(mesh, flat);
+  for (const std::string& line : summary) fmt::print("{}\n", line);
+  if (!flags.out.empty()) {
+    if (auto ok = WriteTextFile(flags.out, FormatObj(mesh, flat.uv, flat.corner_uv)); !ok)
+      return ok;
+  }
+  if (!flags.svg.empty() || !flags.dxf.empty()) {
+    const Pattern pattern =
+        MakePattern(flat, {flags.millimetres_per_unit, flags.allowance, options.grain_lines});
+    const PatternSheet sheet{!flags.plain, flags.interior, summary};
+    if (auto ok = WriteWanted(flags.svg, FormatPattern(pattern, sheet)); !ok) return ok;
+    if (auto ok = WriteWanted(flags.dxf, FormatDxf(pattern)); !ok) return ok;
+  }
+  return WriteWanted(flags.report, JsonReport(mesh, flat, flags.sigma));
+}
+
+Status Compare(const FlattenFlags& flags, const client::FlattenOptions& options,
+               const client::SurfaceMesh& mesh, const client::Client& client) {
+  const FlattenCall flatten = [&](const client::FlattenOptions& one, const std::string& what) {
+    return FlattenWaiting(client, mesh, one, flags.timeout(), what);
+  };
+  const Result<std::vector<ComparisonPanel>> panels = CompareMethods(options, flatten);
+  if (!panels) return Fail(panels.error());
+  fmt::print("{}", FormatTable(*panels));
+  const std::string caption =
+      fmt::format("{} vertices, {} triangles; the squares have one size on every layout",
+                  mesh.vertex_count(), mesh.triangle_count());
+  return WriteTextFile(flags.compare, FormatComparison(mesh, *panels, caption));
+}
+
+Status Flatten(const FlattenFlags& flags) {
+  const Result<client::SurfaceMesh> mesh = ReadSurfaceMesh(flags.surface);
+  if (!mesh) return Fail(mesh.error());
+  const Result<client::FlattenOptions> options =
+      ReadOptions(flags, mesh->vertex_count(), mesh->triangle_count());
+  if (!options) return Fail(options.error());
+  const Result<Connection> connection = Connection::Open(flags.server);
+  if (!connection) return Fail(connection.error());
+
+  const bool layout =
+      !(flags.out.empty() && flags.svg.empty() && flags.dxf.empty() && flags.report.empty());
+  if (layout) {
+    const Result<client::FlatSurface> flat =
+        FlattenWaiting(connection->client(), *mesh, *options, flags.timeout(), "flattening");
+    if (!flat) return Fail(flat.error());
+    PrintWarnings(flat->warnings);
+    if (Status written = WriteLayout(flags, *options, *mesh, *flat); !written) return written;
+  }
+  return flags.compare.empty() ? Status() : Compare(flags, *options, *mesh, connection->client());
+}
+
+}  // namespace
+
+void AddFlatten(CLI::App& app, Run& run) {
+  auto flags = std::make_shared<FlattenFlags>();
+  CLI::App* const command = app.add_subcommand("flatten", "Lay a surface flat, true to size");
+  AddFlattenFlags(*command, *flags);
+  command->callback([flags, &run] {
+    run = [flags] {
+      const Status flattened = Flatten(*flags);
+      return flattened ? kOk : Complain(flattened.error());
+    };
+  });
+}
+
+}  // namespace arap::cli

@@ -1,0 +1,200 @@
+#include "client/cli/commands/flatten_flags.h"
+
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "client/cli/commands/flatten_inputs.h"
+#include "client/cli/commands/option_names.h"
+#include "core/files/text_file.h"
+
+namespace arap::cli {
+namespace {
+
+// Unlike CLI::Range it does not take NaN for a number between.
+CLI::Validator Between(double low, double high) {
+  return CLI::Validator(
+      [low, high](std::string& text) -> std::string {
+        double number = 0;
+        const char* const end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data(), end, number);
+        if (error == std::errc() && stop == end && number >= low && number <= high) return {};
+        return fmt::format("{} is not a number from {} to {}", text, low, high);
+      },
+      "");
+}
+
+// A number above 0.
+CLI::Validator Positive() { return Between(1e-9, 1e9); }
+
+void AddOutputs(CLI::App& command, FlattenFlags& flags) {
+  auto* const outputs = command.add_option_group("Output", "what to write, at least one");
+  outputs->add_option("--out", flags.out, "the surface with flat positions as vt")
+      ->option_text("FILE.obj");
+  outputs
+      ->add_option("--svg", flags.svg,
+                   "the pieces at true size, each triangle coloured by its larger principal strain")
+      ->option_text("FILE.svg");
+  outputs
+      ->add_option("--dxf", flags.dxf,
+                   "the pieces in millimetres on the layers OUTLINE, SEAM, GRAIN and CUT")
+      ->option_text("FILE.dxf");
+  auto* const report =
+      outputs->add_option("--report", flags.report, "the measures of distortion and what was cut")
+          ->option_text("FILE.json");
+  outputs
+      ->add_flag("--sigma", flags.sigma,
+                 "list the singular values s1 s2 of every triangle in the report too")
+      ->needs(report);
+  outputs
+      ->add_option("--compare", flags.compare,
+                   "the layouts of several methods side by side with their measures; --method, "
+                   "--basis, --weights, --anchors, --refine and --injective do not change it")
+      ->option_text("FILE.svg");
+  outputs->require_option(1, 0);
+}
+
+void AddDrawing(CLI::App& command, FlattenFlags& flags) {
+  auto* const drawing = command.add_option_group("Drawing", "how --svg and --dxf draw");
+  AddChoice<double>(*drawing, "--unit", flags.millimetres_per_unit,
+                    {{"mm", 1}, {"cm", 10}, {"m", 1000}, {"in", 25.4}},
+                    "what a unit of the surface is; default mm");
+  drawing
+      ->add_option(
+          "--allowance", flags.allowance,
+          "seam allowance round the pieces, in millimetres; pieces that it brings together "
+          "are set apart")
+      ->check(Positive())
+      ->option_text("MM");
+  drawing->add_flag("--interior", flags.interior, "draw the edges inside too; SVG only");
+  drawing->add_flag("--plain", flags.plain, "lines only, without colours and legend; SVG only");
+}
+
+void AddSurfaceFlags(CLI::App& command, FlattenFlags& flags) {
+  client::FlattenOptions& options = flags.options;
+  auto* const surface = command.add_option_group("Surface", "what is cut, held and repaired");
+  surface
+      ->add_option("--seams", flags.seams,
+                   "edges to cut first: lines of vertices from 1, cut from each to the next; or "
+                   "JSON pairs from 0, a report with its cut_edges among them")
+      ->option_text("FILE");
+  surface
+      ->add_option("--pins", flags.pins,
+                   "vertices held at places: lines 'vertex u v [weight]', vertices from 1")
+      ->option_text("FILE");
+  surface
+      ->add_option("--rigidity", flags.rigidity,
+                   "how rigid every triangle is, above 0 to 1e6, 1 is neutral: a number on a line "
+                   "or a JSON array, in the order of the triangles")
+      ->option_text("FILE");
+  surface
+      ->add_option(
+          "--grain", flags.grain,
+          "keep the direction from one vertex to another at ANGLE degrees from the u axis, "
+          "default 0; vertices from 1; may be given again for other pieces")
+      ->allow_extra_args(false)
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            const Result<client::GrainLine> line = ParseGrain(text);
+            return line ? std::string() : line.error().message;
+          },
+          ""))
+      ->option_text("FROM,TO[,ANGLE]");
+  surface->add_flag("--auto-cut", options.auto_cut,
+                    "cut closed pieces, handles and several boundaries open to disks");
+  surface->add_flag("--split-non-manifold", options.split_non_manifold,
+                    "split edges with more than two triangles and touching vertices");
+  surface->add_flag("--tolerate-degenerate", options.tolerate_degenerate,
+                    "leave triangles without area out");
+  surface
+      ->add_option("--surface-key", options.surface_key,
+                   "the server keeps the prepared surface under this name for a while")
+      ->option_text("NAME");
+}
+
+void AddMethodFlags(CLI::App& command, client::FlattenOptions& options) {
+  using client::FlattenAnchors;
+  using client::FlattenMethod;
+  AddChoice<FlattenMethod>(
+      command, "--method", options.method,
+      {{"arap-edge", FlattenMethod::kArapEdge},
+       {"arap-face", FlattenMethod::kArapFace},
+       {"lscm", FlattenMethod::kLscm},
+       {"first-step", FlattenMethod::kFirstStep},
+       {"abf", FlattenMethod::kAbf}},
+      "which layout; default both steps with the basis, arap-face without one");
+  AddFlattenEnergyOptions(command, options.energy);
+  AddChoice<FlattenAnchors>(
+      command, "--anchors", options.anchors,
+      {{"center-edge", FlattenAnchors::kCenterEdge},
+       {"far-boundary", FlattenAnchors::kFarBoundary},
+       {"spectral", FlattenAnchors::kSpectral}},
+      "what fixes the first step; default center-edge, spectral for lscm and abf");
+  command
+      .add_option("--refine", options.refine,
+                  "local/global iterations afterwards; default 20 for arap methods, else 0")
+      ->option_text("N");
+  command
+      .add_option("--refine-stop", options.refine_stop,
+                  "end them when one lowers the energy by less than this part; default 1e-6")
+      ->check(Between(0, 1))
+      ->option_text("X");
+  command.add_flag("--injective", options.injective, "no flipped triangle, or a failure");
+}
+
+}  // namespace
+
+std::optional<std::chrono::milliseconds> FlattenFlags::timeout() const {
+  if (!timeout_seconds) return std::nullopt;
+  return std::chrono::milliseconds(std::llround(std::ceil(*timeout_seconds * 1000)));
+}
+
+void AddFlattenFlags(CLI::App& command, FlattenFlags& flags) {
+  command.add_option("SURFACE", flags.surface, "the surface: an OBJ or OFF file")->required();
+  AddServerFlags(command, flags.server);
+  AddMethodFlags(command, flags.options);
+  command
+      .add_option("--timeout", flags.timeout_seconds,
+                  "give up after so many seconds; default never")
+      ->check(Positive())
+      ->option_text("SECONDS");
+  AddSurfaceFlags(command, flags);
+  AddOutputs(command, flags);
+  AddDrawing(command, flags);
+}
+
+Result<client::FlattenOptions> ReadOptions(const FlattenFlags& flags, std::size_t vertex_count,
+                                           std::size_t triangle_count) {
+  client::FlattenOptions options = flags.options;
+  if (!flags.seams.empty()) {
+    auto seams = ReadTextFile(flags.seams).and_then([&](const std::string& text) {
+      return ParseSeams(text, flags.seams, vertex_count);
+    });
+    if (!seams) return Fail(seams.error());
+    options.seam_edges = *std::move(seams);
+  }
+  if (!flags.pins.empty()) {
+    auto pins = ReadTextFile(flags.pins).and_then([&](const std::string& text) {
+      return ParsePins(text, flags.pins, vertex_count);
+    });
+    if (!pins) return Fail(pins.error());
+    options.pins = *std::move(pins);
+  }
+  if (!flags.rigidity.empty()) {
+    auto rigidity = ReadTextFile(flags.rigidity).and_then([&](const std::string& text) {
+      return ParseRigidity(text, flags.rigidity, triangle_count);
+    });
+    if (!rigidity) return Fail(rigidity.error());
+    options.energy.rigidity = *std::move(rigidity);
+  }
+  for (const std::string& text : flags.grain) {
+    const Result<client::GrainLine> line = ParseGrain(text);
+    if (!line) return Fail(line.error());
+    if (const Status good = CheckGrain(*line, vertex_count); !good) return Fail(good.error());
+    options.grain_lines.push_back(*line);
+  }
+  return options;
+}
+
+}  // namespace arap::cli

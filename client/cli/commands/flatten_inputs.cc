@@ -1,0 +1,230 @@
+#include "client/cli/commands/flatten_inputs.h"
+
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <sstream>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace arap::cli {
+namespace {
+
+using Json = nlohmann::json;
+using Words = std::vector<std::string>;
+
+auto Bad(std::string message) { return Fail(FaultKind::kInvalidOption, std::move(message)); }
+
+// The whole word as a number.
+template <class Number>
+std::optional<Number> ParseNumber(std::string_view word) {
+  Number number{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+  return number;
+}
+
+std::optional<double> ParseFinite(std::string_view word) {
+  const std::optional<double> number = ParseNumber<double>(word);
+  return number && std::isfinite(*number) ? number : std::nullopt;
+}
+
+// A vertex that counts from 1.
+Result<std::uint32_t> ParseVertex(const std::string& word, std::size_t vertex_count) {
+  const auto number = ParseNumber<std::int64_t>(word);
+  if (!number) return Bad(fmt::format("'{}' is not the number of a vertex", word));
+  if (*number < 1) return Bad(fmt::format("vertex {}: vertices count from 1", *number));
+  if (static_cast<std::uint64_t>(*number) > vertex_count) {
+    return Bad(fmt::format("vertex {}: the surface has {}", *number, vertex_count));
+  }
+  return static_cast<std::uint32_t>(*number - 1);
+}
+
+// Calls `read` with the words of every line that has any; its fault gets the number of the line.
+Status ReadLines(const std::string& text, const std::string& name,
+                 const std::function<Status(const Words&)>& read) {
+  std::istringstream lines(text);
+  std::size_t number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    std::istringstream stream(line.substr(0, line.find('#')));
+    Words words;
+    for (std::string word; stream >> word;) words.push_back(std::move(word));
+    if (words.empty()) continue;
+    if (const Status good = read(words); !good) {
+      return Bad(fmt::format("{}:{}: {}", name, number, good.error().message));
+    }
+  }
+  return {};
+}
+
+bool IsJson(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != std::string::npos && (text[first] == '[' || text[first] == '{');
+}
+
+Result<std::vector<std::uint32_t>> ParseJsonSeams(const std::string& text, const std::string& name,
+                                                  std::size_t vertex_count) {
+  Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (json.is_discarded()) return Bad(name + ": not JSON");
+  if (json.is_object()) json = json.value("cut_edges", Json());
+  if (!json.is_array()) return Bad(name + ": neither a list of edges nor one in \"cut_edges\"");
+  std::vector<std::uint32_t> seams;
+  std::string fault;
+  const auto add = [&](const Json& vertex) {
+    if (!vertex.is_number_unsigned() || vertex.get<std::uint64_t>() >= vertex_count) {
+      if (fault.empty()) {
+        fault = fmt::format("{} is not a vertex: they go from 0 to {}", vertex.dump(),
+                            vertex_count - 1);
+      }
+      return;
+    }
+    seams.push_back(vertex.get<std::uint32_t>());
+  };
+  const bool pairs = !json.empty() && json.front().is_array();
+  if (!pairs && json.size() % 2 != 0) {
+    return Bad(fmt::format("{}: {} vertices do not make pairs", name, json.size()));
+  }
+  for (std::size_t i = 0; i < json.size() && fault.empty(); ++i) {
+    if (!pairs) {
+      add(json[i]);
+    } else if (json[i].is_array() && json[i].size() == 2) {
+      for (const Json& vertex : json[i]) add(vertex);
+    } else {
+      fault = json[i].dump() + " is not a pair of vertices";
+    }
+    if (!fault.empty()) return Bad(fmt::format("{}: element {}: {}", name, i, fault));
+  }
+  return seams;
+}
+
+constexpr double kMaxRigidity = 1e6;
+
+Status CheckRigidity(double rigidity) {
+  if (rigidity > 0 && rigidity <= kMaxRigidity) return {};
+  return Bad(fmt::format("a rigidity of {} is not above 0 and at most {}", rigidity, kMaxRigidity));
+}
+
+Result<std::vector<double>> ParseJsonRigidity(const std::string& text, const std::string& name) {
+  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (json.is_discarded()) return Bad(name + ": not JSON");
+  if (!json.is_array()) return Bad(name + ": not an array of numbers");
+  std::vector<double> rigidity;
+  for (const Json& element : json) {
+    const Status good = element.is_number() ? CheckRigidity(element.get<double>())
+                                            : Bad(element.dump() + " is not a number");
+    if (!good) {
+      return Bad(fmt::format("{}: element {}: {}", name, rigidity.size(), good.error().message));
+    }
+    rigidity.push_back(element.get<double>());
+  }
+  return rigidity;
+}
+
+Result<std::vector<double>> ParseRigidityLines(const std::string& text, const std::string& name) {
+  std::vector<double> rigidity;
+  const Status read = ReadLines(text, name, [&](const Words& words) -> Status {
+    if (words.size() > 1) {
+      return Bad(fmt::format("a line has one rigidity, these are {} words", words.size()));
+    }
+    const std::optional<double> number = ParseFinite(words[0]);
+    if (!number) return Bad(fmt::format("'{}' is not a finite number", words[0]));
+    rigidity.push_back(*number);
+    return CheckRigidity(*number);
+  });
+  if (!read) return Fail(read.error());
+  return rigidity;
+}
+
+}  // namespace
+
+Result<std::vector<std::uint32_t>> ParseSeams(const std::string& text, const std::string& name,
+                                              std::size_t vertex_count) {
+  if (IsJson(text)) return ParseJsonSeams(text, name, vertex_count);
+  std::vector<std::uint32_t> seams;
+  const Status read = ReadLines(text, name, [&](const Words& words) -> Status {
+    if (words.size() < 2) return Bad("a seam goes from one vertex to another");
+    std::optional<std::uint32_t> last;
+    for (const std::string& word : words) {
+      const Result<std::uint32_t> vertex = ParseVertex(word, vertex_count);
+      if (!vertex) return Fail(vertex.error());
+      if (last) seams.insert(seams.end(), {*last, *vertex});
+      last = *vertex;
+    }
+    return {};
+  });
+  if (!read) return Fail(read.error());
+  return seams;
+}
+
+Result<std::vector<client::UvPin>> ParsePins(const std::string& text, const std::string& name,
+                                             std::size_t vertex_count) {
+  std::vector<client::UvPin> pins;
+  const Status read = ReadLines(text, name, [&](const Words& words) -> Status {
+    if (words.size() < 3 || words.size() > 4) {
+      return Bad(fmt::format("a pin is 'vertex u v [weight]', these are {} words", words.size()));
+    }
+    client::UvPin pin;
+    const Result<std::uint32_t> vertex = ParseVertex(words[0], vertex_count);
+    if (!vertex) return Fail(vertex.error());
+    pin.vertex = *vertex;
+    double* const places[] = {&pin.u, &pin.v, &pin.weight};
+    for (std::size_t i = 1; i < words.size(); ++i) {
+      const std::optional<double> number = ParseFinite(words[i]);
+      if (!number) return Bad(fmt::format("'{}' is not a finite number", words[i]));
+      *places[i - 1] = *number;
+    }
+    if (pin.weight < 0) return Bad("a weight is not negative; 0 or none holds exactly");
+    pins.push_back(pin);
+    return {};
+  });
+  if (!read) return Fail(read.error());
+  return pins;
+}
+
+Result<std::vector<double>> ParseRigidity(const std::string& text, const std::string& name,
+                                          std::size_t triangle_count) {
+  auto rigidity = IsJson(text) ? ParseJsonRigidity(text, name) : ParseRigidityLines(text, name);
+  if (rigidity && rigidity->size() != triangle_count) {
+    return Bad(fmt::format("{}: {} numbers; the surface has {} triangles, and each needs one", name,
+                           rigidity->size(), triangle_count));
+  }
+  return rigidity;
+}
+
+Result<client::GrainLine> ParseGrain(const std::string& text) {
+  Words words;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, ',');) words.push_back(std::move(word));
+  if (words.size() < 2 || words.size() > 3 || text.ends_with(',')) {
+    return Bad(fmt::format("'{}' is not FROM,TO or FROM,TO,ANGLE", text));
+  }
+  client::GrainLine line;
+  std::uint32_t* const ends[] = {&line.from_vertex, &line.to_vertex};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Result<std::uint32_t> vertex = ParseVertex(words[i], UINT32_MAX);
+    if (!vertex) return Fail(vertex.error());
+    *ends[i] = *vertex;
+  }
+  if (words.size() == 3) {
+    const std::optional<double> angle = ParseFinite(words[2]);
+    if (!angle) return Bad(fmt::format("'{}' is not an angle in degrees", words[2]));
+    line.angle_degrees = *angle;
+  }
+  return line;
+}
+
+Status CheckGrain(const client::GrainLine& line, std::size_t vertex_count) {
+  for (const std::uint32_t vertex : {line.from_vertex, line.to_vertex}) {
+    if (vertex < vertex_count) continue;
+    return Bad(fmt::format("--grain: vertex {}: the surface has {}", std::uint64_t{vertex} + 1,
+                           vertex_count));
+  }
+  return {};
+}
+
+}  // namespace arap::cli

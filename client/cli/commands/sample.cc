@@ -1,0 +1,118 @@
+// arapctl sample: meshes to try things with, made on the spot.
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "client/cli/commands/commands.h"
+#include "client/cli/report.h"
+#include "client/cli/sample/character.h"
+#include "client/cli/sample/face.h"
+#include "client/cli/sample/garment.h"
+#include "client/cli/sample/grid.h"
+#include "core/files/mesh_file.h"
+#include "core/files/text_file.h"
+
+namespace arap::cli {
+namespace {
+
+struct SampleOptions {
+  std::string out;
+  std::string track;
+  double edge = 0;
+  std::size_t size = 20;
+};
+
+Status Write(const SampleOptions& options, const std::string& obj, std::optional<Track> track) {
+  if (Status written = WriteTextFile(options.out, obj); !written) return written;
+  if (!track || options.track.empty()) return {};
+  track->mesh = std::filesystem::path(options.out).filename().string();
+  track->row_weight = 1000;
+  return WriteTextFile(options.track, FormatTrack(*track));
+}
+
+Status WriteCharacter(const SampleOptions& options) {
+  const client::PlanarMesh mesh = MakeCharacter(options.edge);
+  return Write(options, FormatObj(mesh), MakeCharacterTrack(mesh));
+}
+
+Status WriteGrid(const SampleOptions& options) {
+  const client::PlanarMesh mesh = MakeGrid(options.size, options.size);
+  return Write(options, FormatObj(mesh), MakeGridTrack(mesh, options.size, options.size));
+}
+
+Status WriteGarment(const SampleOptions& options) {
+  return Write(options, FormatObj(MakeGarment(options.edge)), std::nullopt);
+}
+
+Status WriteFace(const SampleOptions& options) {
+  return Write(options, FormatObj(MakeFace(options.edge)), std::nullopt);
+}
+
+using Maker = Status (*)(const SampleOptions&);
+
+// The options start with the defaults of the sample.
+std::pair<CLI::App*, std::shared_ptr<SampleOptions>> AddOne(CLI::App& sample, Run& run,
+                                                            const char* name, const char* help,
+                                                            Maker make) {
+  auto options = std::make_shared<SampleOptions>();
+  CLI::App* const command = sample.add_subcommand(name, help);
+  command->add_option("--out", options->out, "write the mesh")
+      ->required()
+      ->option_text("FILE.obj REQUIRED");
+  command->callback([options, make, &run] {
+    run = [options, make] {
+      const Status made = make(*options);
+      return made ? kOk : Complain(made.error());
+    };
+  });
+  return {command, options};
+}
+
+void AddEdge(CLI::App& command, double& edge, double standard, double least, double most) {
+  edge = standard;
+  command.add_option("--edge", edge, fmt::format("length of its edges; default {}", standard))
+      ->check(CLI::Range(least, most).description(""))
+      ->option_text("L");
+}
+
+void AddTrack(CLI::App& command, std::string& track) {
+  command.add_option("--track", track, "write a track for it")->option_text("FILE.json");
+}
+
+}  // namespace
+
+void AddSample(CLI::App& app, Run& run) {
+  CLI::App* const sample = app.add_subcommand("sample", "Write a sample mesh");
+  sample->require_subcommand(1);
+  {
+    const auto [command, options] =
+        AddOne(*sample, run, "character", "a teddy bear in the plane, 200 tall; its track waves",
+               &WriteCharacter);
+    AddTrack(*command, options->track);
+    AddEdge(*command, options->edge, kCharacterEdge, 1, 8);
+  }
+  {
+    const auto [command, options] =
+        AddOne(*sample, run, "garment", "the front panel of a skirt in space, in centimetres",
+               &WriteGarment);
+    AddEdge(*command, options->edge, kGarmentEdge, 0.5, 8);
+  }
+  {
+    const auto [command, options] =
+        AddOne(*sample, run, "face", "a bumpy cap in space that is far from flat, in centimetres",
+               &WriteFace);
+    AddEdge(*command, options->edge, kFaceEdge, 0.2, 2);
+  }
+  {
+    const auto [command, options] = AddOne(*sample, run, "grid", "a square grid", &WriteGrid);
+    AddTrack(*command, options->track);
+    command->add_option("--size", options->size, "vertices on each side; default 20")
+        ->check(CLI::Range(2, 2000).description(""))
+        ->option_text("N");
+  }
+}
+
+}  // namespace arap::cli

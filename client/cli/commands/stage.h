@@ -1,0 +1,88 @@
+// A mesh with compiled handles on a server: what bake and drag have in common.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "arap/client/client.h"
+#include "client/cli/connect/connection.h"
+#include "core/drawing/svg/animation.h"
+#include "core/files/track.h"
+
+namespace arap::cli {
+
+struct StageOptions {
+  ServerFlags server;
+  std::string mesh;
+  std::string track;
+  std::string out;         // shapes.csv, or empty
+  std::string svg;         // animation, or empty
+  std::string frames_svg;  // contact sheet, or empty
+  client::EnergyOptions energy;
+  client::DeformOptions deform;
+  bool as_published = false;
+  bool hard = false;
+};
+
+void AddStageOptions(CLI::App& command, StageOptions& options, bool out_required);
+
+// The handle set that Open compiles.
+inline constexpr const char* kHandleSet = "track";
+
+// Owns a session on the server and deletes it at the end.
+class Stage {
+ public:
+  // Reads both files, connects, registers the mesh and compiles the handles. Prints the warnings of
+  // the server.
+  static Result<Stage> Open(const StageOptions& options);
+
+  Stage(Stage&&) = default;
+  Stage& operator=(Stage&&) = delete;
+  ~Stage();
+
+  const client::Session& session() const { return *session_; }
+  const client::PlanarMesh& mesh() const { return mesh_; }
+  const Track& track() const { return track_; }
+  double register_micros() const { return register_micros_; }
+  double compile_micros() const { return compile_micros_; }
+
+ private:
+  Stage(Connection connection, client::Session session, client::PlanarMesh mesh, Track track);
+
+  // Deletes the session on the server too.
+  struct Release {
+    void operator()(const client::Session* session) const;
+  };
+
+  Connection connection_;
+  std::unique_ptr<const client::Session, Release> session_;
+  client::PlanarMesh mesh_;
+  Track track_;
+  double register_micros_ = 0;
+  double compile_micros_ = 0;
+};
+
+// Collects what the pictures need, if any is wanted.
+class FilmMaker {
+ public:
+  FilmMaker(const StageOptions& options, const Stage& stage);
+
+  void Add(std::size_t frame, const client::Shape& shape);
+  // Writes the pictures that were asked for.
+  Status Write(const std::string& caption);
+
+ private:
+  // Every handle that the track ever has; NaN where it is not there.
+  std::vector<double> HandlesAt(std::size_t frame) const;
+
+  std::string svg_;
+  std::string frames_svg_;
+  const Track& track_;
+  std::vector<TrackSegment> segments_;
+  Film film_;
+};
+
+}  // namespace arap::cli

@@ -1,0 +1,47 @@
+// How a command reaches its server: the flags --server and --spawn, and who it says it is.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "arap/client/client.h"
+#include "client/cli/connect/spawned_server.h"
+
+namespace arap::cli {
+
+struct ServerFlags {
+  std::string server;
+  bool spawn = false;
+  client::ConnectOptions connect = {};  // but for the token, which is read when connecting
+  std::string token_file = {};          // empty: the token is in the environment, if there is one
+};
+
+// The environment variable with the token. Tokens are never on the command line, where others see
+// them.
+inline constexpr const char* kTokenVariable = "ARAPCTL_TOKEN";
+
+// Exactly one of --server and --spawn has to be given; a private server wants no identity.
+void AddServerFlags(CLI::App& command, ServerFlags& flags);
+
+// A connection that stands; it ends, with the spawned server if there is one, when this goes.
+class Connection {
+ public:
+  static Result<Connection> Open(const ServerFlags& flags);
+
+  const client::Client& client() const { return client_; }
+  // A further connection to the same server.
+  Result<client::Client> Another() const;
+
+ private:
+  Connection(std::optional<SpawnedServer> spawned, std::string address,
+             client::ConnectOptions options, client::Client client);
+
+  std::optional<SpawnedServer> spawned_;  // before the client: it has to outlive it
+  std::string address_;
+  client::ConnectOptions options_;
+  client::Client client_;
+};
+
+}  // namespace arap::cli

@@ -1,0 +1,152 @@
+#include "client/cli/load/load_stream.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "client/cli/report.h"
+
+namespace arap::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr const char* kLoadSet = "load";
+
+void Note(const Fault& fault, LoadSamples& samples) {
+  ++samples.errors[ReasonOf(fault)];
+  if (samples.first_error.empty()) samples.first_error = Describe(fault);
+}
+
+void NoteBadReply(const std::string& what, LoadSamples& samples) {
+  ++samples.errors["BAD_REPLY"];
+  if (samples.first_error.empty()) samples.first_error = "BAD_REPLY: " + what;
+}
+
+// Every handle goes round its rest position, each at its own phase.
+std::vector<double> Targets(const LoadPlan& plan, std::size_t stream, std::uint64_t step) {
+  constexpr double kStepRadians = 0.05;
+  std::vector<double> targets = plan.rests;
+  for (std::size_t k = 0; 2 * k + 1 < targets.size(); ++k) {
+    const double angle = kStepRadians * static_cast<double>(step) + static_cast<double>(k + stream);
+    targets[2 * k] += plan.reach * std::sin(angle);
+    targets[2 * k + 1] += plan.reach * (1 - std::cos(angle));
+  }
+  return targets;
+}
+
+// The reply's shape if it is the right one.
+const client::Shape* CheckReply(const Result<std::optional<client::StreamEvent>>& event,
+                                std::uint64_t sequence, std::size_t length, LoadSamples& samples) {
+  if (!event) {
+    Note(event.error(), samples);
+    return nullptr;
+  }
+  if (!*event) {
+    NoteBadReply("the server ended the stream", samples);
+    return nullptr;
+  }
+  if (const auto* error = std::get_if<client::UpdateError>(&**event)) {
+    Note(error->fault, samples);
+    return nullptr;
+  }
+  const auto* shape = std::get_if<client::Shape>(&**event);
+  if (shape == nullptr || shape->sequence != sequence) {
+    NoteBadReply("not the answer to the update", samples);
+    return nullptr;
+  }
+  if (shape->positions.size() != length) {
+    NoteBadReply(fmt::format("{} coordinates, expected {}", shape->positions.size(), length),
+                 samples);
+    return nullptr;
+  }
+  if (!std::all_of(shape->positions.begin(), shape->positions.end(),
+                   [](double x) { return std::isfinite(x); })) {
+    NoteBadReply("a position is not finite", samples);
+    return nullptr;
+  }
+  return shape;
+}
+
+Result<client::DeformStream> OpenStream(const client::Session& session, const LoadPlan& plan,
+                                        const client::CallOptions& call, LoadSamples& samples) {
+  const auto mesh = session.RegisterMesh(plan.mesh, {}, {}, call);
+  if (!mesh) return Fail(mesh.error());
+  const auto set = session.CompileHandles(kLoadSet, mesh->mesh.id, plan.handles, call);
+  if (!set) return Fail(set.error());
+  const Clock::time_point asked = Clock::now();
+  auto stream = session.OpenStream(kLoadSet, plan.delivery, plan.deform, call);
+  const std::chrono::duration<double, std::micro> took = Clock::now() - asked;
+  if (!stream && stream.error().kind == FaultKind::kLimitExceeded) {
+    samples.refused_micros.push_back(took.count());
+  }
+  return stream;
+}
+
+void Drive(client::DeformStream& stream, const LoadPlan& plan, std::size_t index,
+           LoadSamples& samples) {
+  const std::size_t length = plan.mesh.vertices.size();
+  const Clock::time_point end =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(plan.length);
+  client::HandleUpdate update;
+  const auto apart = std::chrono::duration_cast<Clock::duration>(
+      std::chrono::duration<double>(plan.fps > 0 ? 1 / plan.fps : 0));
+  Clock::time_point due = Clock::now();
+  while (Clock::now() < end) {
+    if (plan.fps > 0) std::this_thread::sleep_until(due);
+    ++update.sequence;
+    update.positions = Targets(plan, index, update.sequence);
+    const Clock::time_point sent = plan.fps > 0 ? due : Clock::now();
+    due += apart;
+    (void)stream.Send(update);  // a failure is explained by the read
+    const auto event = stream.Read();
+    const std::chrono::duration<double, std::micro> took = Clock::now() - sent;
+    const client::Shape* const shape = CheckReply(event, update.sequence, length, samples);
+    if (shape == nullptr) {
+      if (!event || !*event) return;  // the stream is over
+      continue;
+    }
+    samples.round_trip_micros.push_back(took.count());
+    samples.queue_micros.push_back(shape->queue_micros);
+    samples.solve_micros.push_back(shape->solve_micros);
+  }
+}
+
+}  // namespace
+
+LoadSamples RunLoadStream(const client::Client& client, const LoadPlan& plan, std::size_t index,
+                          std::latch& start) {
+  LoadSamples samples;
+  // A server that hangs must not keep us for ever.
+  client::CallOptions call;
+  call.timeout =
+      std::chrono::duration_cast<std::chrono::milliseconds>(plan.length) + std::chrono::seconds(60);
+  const Result<client::Session> session = client.CreateSession({}, call);
+  std::optional<client::DeformStream> stream;
+  if (!session) {
+    Note(session.error(), samples);
+  } else if (Result<client::DeformStream> opened = OpenStream(*session, plan, call, samples)) {
+    stream = std::move(*opened);
+  } else {
+    Note(opened.error(), samples);
+  }
+  // Also without a stream: the others wait for us.
+  if (plan.fps > 0) {
+    start.count_down();
+  } else {
+    start.arrive_and_wait();
+  }
+  if (stream) {
+    Drive(*stream, plan, index, samples);
+    stream.reset();
+  }
+  if (session) (void)session->Delete(call);
+  return samples;
+}
+
+}  // namespace arap::cli

@@ -1,0 +1,190 @@
+#include "core/drawing/pattern.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "core/drawing/svg/view.h"
+
+namespace arap::cli {
+namespace {
+
+using Point = std::complex<double>;
+using Loop = std::vector<std::uint32_t>;
+
+class EdgeSet {
+ public:
+  explicit EdgeSet(std::span<const std::uint32_t> pairs) {
+    for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) {
+      edges_.insert(std::minmax(pairs[i], pairs[i + 1]));
+    }
+  }
+  bool Has(std::uint32_t a, std::uint32_t b) const { return edges_.contains(std::minmax(a, b)); }
+
+ private:
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges_;
+};
+
+// The runs of edges of a closed loop that are cuts. A loop of cuts only repeats its first vertex.
+std::vector<Loop> CutRuns(const Loop& loop, const client::FlatSurface& flat, const EdgeSet& cuts) {
+  const std::size_t n = loop.size();
+  std::vector<bool> cut(n);  // the edge after each vertex
+  for (std::size_t i = 0; i < n; ++i) {
+    cut[i] = cuts.Has(flat.uv_vertex[loop[i]], flat.uv_vertex[loop[(i + 1) % n]]);
+  }
+  const auto whole = std::find(cut.begin(), cut.end(), false);
+  const auto start = static_cast<std::size_t>(whole == cut.end() ? 0 : whole - cut.begin());
+  std::vector<Loop> runs;
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t i = (start + k) % n;
+    if (!cut[i]) continue;
+    if (runs.empty() || runs.back().back() != loop[i]) runs.push_back({loop[i]});
+    runs.back().push_back(loop[(i + 1) % n]);
+  }
+  return runs;
+}
+
+// The chart of each flat position; positions of no triangle have none.
+std::vector<std::optional<std::uint32_t>> Charts(const client::FlatSurface& flat) {
+  std::vector<std::optional<std::uint32_t>> charts(flat.uv.size() / 2);
+  for (std::size_t c = 0; c < flat.corner_uv.size(); ++c) {
+    if (c / 3 < flat.triangle_chart.size()) {
+      charts[flat.corner_uv[c]] = flat.triangle_chart[c / 3];
+    }
+  }
+  return charts;
+}
+
+Point At(std::span<const double> points, std::size_t i) {
+  return {points[2 * i], points[2 * i + 1]};
+}
+
+// Seams double vertices: of the copies on one chart, those that point best where they were asked
+// to.
+std::optional<std::pair<std::uint32_t, std::uint32_t>> EndsOf(
+    const client::GrainLine& line, const client::FlatSurface& flat,
+    std::span<const std::optional<std::uint32_t>> charts) {
+  const Point wanted = std::polar(1.0, line.angle_degrees * std::numbers::pi / 180);
+  std::optional<std::pair<std::uint32_t, std::uint32_t>> best;
+  double best_cosine = -2;
+  const auto copies = [&](std::uint32_t vertex) {
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t u = 0; u < charts.size(); ++u) {
+      if (flat.uv_vertex[u] == vertex && charts[u]) found.push_back(u);
+    }
+    return found;
+  };
+  const auto ends = copies(line.to_vertex);
+  for (const std::uint32_t from : copies(line.from_vertex)) {
+    for (const std::uint32_t to : ends) {
+      const Point along = At(flat.uv, to) - At(flat.uv, from);
+      if (charts[from] != charts[to] || along == 0.0) continue;
+      const double cosine = (std::conj(wanted) * along).real() / std::abs(along);
+      if (cosine > best_cosine) best = {from, to};
+      best_cosine = std::max(cosine, best_cosine);
+    }
+  }
+  return best;
+}
+
+bool Touch(const Bounds& a, const Bounds& b) {
+  return a.min_x < b.max_x && b.min_x < a.max_x && a.min_y < b.max_y && b.min_y < a.max_y;
+}
+
+// How far to move each box so that all stand in rows about as long as they are high together.
+std::vector<Point> SetOut(const std::vector<Bounds>& boxes, double gap) {
+  double area = 0, widest = 0;
+  for (const Bounds& box : boxes) {
+    area += (box.width() + gap) * (box.height() + gap);
+    widest = std::max(widest, box.width());
+  }
+  const double row_width = std::max(widest, 1.25 * std::sqrt(area));
+  std::vector<Point> moves;
+  double x = 0, y = 0, row_height = 0;
+  for (const Bounds& box : boxes) {
+    if (x > 0 && x + box.width() > row_width) {
+      y -= row_height + gap;
+      x = row_height = 0;
+    }
+    moves.emplace_back(x - box.min_x, y - box.max_y);
+    x += box.width() + gap;
+    row_height = std::max(row_height, box.height());
+  }
+  return moves;
+}
+
+void Move(Point by, Ring& ring) {
+  for (std::size_t i = 0; i + 1 < ring.size(); i += 2) {
+    ring[i] += by.real();
+    ring[i + 1] += by.imag();
+  }
+}
+
+void AddAllowance(const client::FlatSurface& flat, double width,
+                  std::span<const std::optional<std::uint32_t>> charts, Pattern& pattern) {
+  std::vector<std::vector<Ring>> borders;
+  std::vector<Bounds> boxes;
+  for (const client::FlatChart& chart : flat.charts) {
+    std::vector<Ring> rings;
+    for (const Loop& loop : chart.loops) {
+      Ring& ring = rings.emplace_back();
+      for (const std::uint32_t u : loop) {
+        ring.insert(ring.end(), {pattern.points[2 * u], pattern.points[2 * u + 1]});
+      }
+    }
+    borders.push_back(OffsetOutwards(rings, width));
+    Bounds& box = boxes.emplace_back();
+    for (const Ring& ring : borders.back()) box.Add(ring);
+  }
+  bool touch = false;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) touch = touch || Touch(boxes[i], boxes[k]);
+  }
+  if (touch) {
+    const std::vector<Point> moves = SetOut(boxes, width);
+    for (std::size_t u = 0; u < charts.size(); ++u) {
+      if (!charts[u] || *charts[u] >= moves.size()) continue;
+      pattern.points[2 * u] += moves[*charts[u]].real();
+      pattern.points[2 * u + 1] += moves[*charts[u]].imag();
+    }
+    for (std::size_t i = 0; i < borders.size(); ++i) {
+      for (Ring& ring : borders[i]) Move(moves[i], ring);
+    }
+  }
+  for (auto& rings : borders) {
+    std::move(rings.begin(), rings.end(), std::back_inserter(pattern.allowance));
+  }
+}
+
+}  // namespace
+
+Pattern MakePattern(const client::FlatSurface& flat, const PatternOptions& options) {
+  Pattern pattern;
+  pattern.points = flat.uv;
+  for (double& x : pattern.points) x *= options.millimetres_per_unit;
+  pattern.triangles = flat.corner_uv;
+  pattern.singular_values = flat.singular_values;
+  const EdgeSet cuts(flat.cut_edges);
+  for (const client::FlatChart& chart : flat.charts) {
+    for (const Loop& loop : chart.loops) {
+      pattern.outlines.push_back(loop);
+      for (Loop& run : CutRuns(loop, flat, cuts)) pattern.seams.push_back(std::move(run));
+    }
+  }
+  const auto charts = Charts(flat);
+  if (options.allowance > 0) AddAllowance(flat, options.allowance, charts, pattern);
+  for (const client::GrainLine& line : options.grain_lines) {
+    if (const auto ends = EndsOf(line, flat, charts)) {
+      const Point a = At(pattern.points, ends->first), b = At(pattern.points, ends->second);
+      pattern.grain_lines.push_back({a.real(), a.imag(), b.real(), b.imag()});
+    }
+  }
+  return pattern;
+}
+
+}  // namespace arap::cli

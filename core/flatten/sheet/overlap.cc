@@ -1,0 +1,190 @@
+#include "core/flatten/sheet/overlap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/flatten/sheet/segment_tree.h"
+
+namespace arap {
+namespace {
+
+constexpr double kGoldenFraction = 0.6180339887498949;
+
+// A loop drawn in, and where its segments are among all.
+struct Outline {
+  std::uint32_t loop;  // its index in the input
+  std::uint32_t chart;
+  std::uint32_t begin, end;  // segments
+  Box box;
+  bool hole;  // runs clockwise
+};
+
+double Cross(Complex a, Complex b) { return a.real() * b.imag() - a.imag() * b.real(); }
+
+// Twice the signed area of from, to, p: which side of the segment p is on.
+double Side(const Segment& s, Complex p) { return Cross(s.to - s.from, p - s.from); }
+
+// Zero counts as left on every occasion: a path through a point of a segment crosses it once.
+bool SegmentsCross(const Segment& a, const Segment& b) {
+  return (Side(a, b.from) < 0) != (Side(a, b.to) < 0) &&
+         (Side(b, a.from) < 0) != (Side(b, a.to) < 0);
+}
+
+Complex Unit(Complex z) {
+  const double length = std::abs(z);
+  return length > 0 ? z / length : Complex(0);
+}
+
+// All boundary segments, drawn in. What lies exactly on something else leaves no sign of where it
+// crosses or is contained, so that every vertex goes a different way, 1 to 2 times `amount`.
+class Boundary {
+ public:
+  Boundary(std::span<const Complex> uv, std::span<const BoundaryLoop> loops) {
+    const double amount = kTouching * Diagonal(uv, loops);
+    for (std::uint32_t l = 0; l < loops.size(); ++l) {
+      if (loops[l].vertices.size() >= 3) Add(uv, loops[l], l, amount);
+    }
+  }
+
+  const std::vector<Segment>& segments() const { return segments_; }
+  const std::vector<Outline>& outlines() const { return outlines_; }
+  const std::array<std::uint32_t, 2>& ends(std::uint32_t segment) const { return ends_[segment]; }
+
+  bool Adjacent(std::uint32_t a, std::uint32_t b) const {
+    return ends_[a][0] == ends_[b][0] || ends_[a][0] == ends_[b][1] || ends_[a][1] == ends_[b][0] ||
+           ends_[a][1] == ends_[b][1];
+  }
+
+  // How often an outline goes round a point, counter-clockwise.
+  int Winding(const Outline& outline, Complex p) const {
+    int winding = 0;
+    for (std::uint32_t k = outline.begin; k < outline.end; ++k) {
+      const Segment& s = segments_[k];
+      const bool from = s.from.imag() <= p.imag(), to = s.to.imag() <= p.imag();
+      if (from && !to && Side(s, p) > 0) ++winding;
+      if (!from && to && Side(s, p) < 0) --winding;
+    }
+    return winding;
+  }
+
+ private:
+  static double Diagonal(std::span<const Complex> uv, std::span<const BoundaryLoop> loops) {
+    bool any = false;
+    Box box{};
+    for (const BoundaryLoop& loop : loops) {
+      for (const std::uint32_t v : loop.vertices) {
+        const Box point{uv[v], uv[v]};
+        if (!any) box = point;
+        any = true;
+        box.Include(point);
+      }
+    }
+    return std::abs(box.high - box.low);
+  }
+
+  void Add(std::span<const Complex> uv, const BoundaryLoop& loop, std::uint32_t index,
+           double amount) {
+    const std::vector<std::uint32_t>& v = loop.vertices;
+    const std::size_t n = v.size();
+    std::vector<Complex> drawn(n);
+    double area = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      const Complex at = uv[v[k]], before = uv[v[(k + n - 1) % n]], after = uv[v[(k + 1) % n]];
+      const double fraction = std::fmod(kGoldenFraction * static_cast<double>(++points_), 1.0);
+      // To the left of both segments. At the tip of a spike or a slit left has no meaning: it
+      // stays.
+      const Complex inward = Unit(Complex(0, 1) * (Unit(at - before) + Unit(after - at)));
+      drawn[k] = at + amount * (1 + fraction) * inward;
+      area += Cross(at - uv[v[0]], after - uv[v[0]]);
+    }
+    const auto begin = static_cast<std::uint32_t>(segments_.size());
+    Outline outline{index, loop.component, begin, begin, {drawn[0], drawn[0]}, area < 0};
+    for (std::size_t k = 0; k < n; ++k) {
+      segments_.push_back({drawn[k], drawn[(k + 1) % n]});
+      ends_.push_back({v[k], v[(k + 1) % n]});
+      outline.box.Include(Box::Of(segments_.back()));
+    }
+    outline.end = static_cast<std::uint32_t>(segments_.size());
+    outlines_.push_back(outline);
+  }
+
+  std::size_t points_ = 0;
+  std::vector<Segment> segments_;
+  std::vector<std::array<std::uint32_t, 2>> ends_;  // vertices, by segment
+  std::vector<Outline> outlines_;
+};
+
+// How often `cancel` is asked.
+constexpr std::uint32_t kAskEvery = 256;
+
+Status CountCrossings(const Boundary& boundary, const CancelToken& cancel, Overlap& overlap) {
+  const std::vector<Segment>& segments = boundary.segments();
+  const SegmentTree tree(segments);
+  std::vector<std::uint32_t> crossed;
+  for (std::uint32_t a = 0; a < segments.size() && overlap.crossings < kMaxCrossings; ++a) {
+    if (a % kAskEvery == 0) {
+      if (auto ok = cancel.Check(); !ok) return ok;
+    }
+    crossed.clear();
+    tree.VisitAfter(a, [&](std::uint32_t b) {
+      if (SegmentsCross(segments[a], segments[b]) && !boundary.Adjacent(a, b)) crossed.push_back(b);
+    });
+    if (crossed.empty()) continue;
+    if (overlap.crossings == 0) {
+      const auto& first = boundary.ends(a);
+      const auto& second = boundary.ends(*std::min_element(crossed.begin(), crossed.end()));
+      overlap.first_crossing = {first[0], first[1], second[0], second[1]};
+    }
+    overlap.crossings = std::min(kMaxCrossings, overlap.crossings + crossed.size());
+  }
+  return {};
+}
+
+// Sums of windings of other loops around a point of each: 0 of every other chart, and of its own
+// chart 0 for an outline and 1 for a hole. Loops that cross are already known to overlap, and make
+// this no less true.
+Status CountMisplaced(const Boundary& boundary, const CancelToken& cancel, Overlap& overlap) {
+  for (const Outline& loop : boundary.outlines()) {
+    if (loop.loop % kAskEvery == 0) {
+      if (auto ok = cancel.Check(); !ok) return ok;
+    }
+    const Complex point = boundary.segments()[loop.begin].from;
+    const Box box{point, point};
+    int own = 0;
+    std::vector<std::pair<std::uint32_t, int>> charts;
+    for (const Outline& other : boundary.outlines()) {
+      if (other.loop == loop.loop || !other.box.Meets(box)) continue;
+      const int winding = boundary.Winding(other, point);
+      if (other.chart == loop.chart) {
+        own += winding;
+      } else if (winding != 0) {
+        charts.emplace_back(other.chart, winding);
+      }
+    }
+    bool misplaced = own != (loop.hole ? 1 : 0);
+    std::sort(charts.begin(), charts.end());
+    for (std::size_t k = 0; k < charts.size();) {
+      const std::uint32_t chart = charts[k].first;
+      int sum = 0;
+      for (; k < charts.size() && charts[k].first == chart; ++k) sum += charts[k].second;
+      misplaced = misplaced || sum != 0;
+    }
+    if (!misplaced) continue;
+    if (overlap.misplaced_loops++ == 0) overlap.first_misplaced = loop.loop;
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Overlap> FindOverlap(std::span<const Complex> uv, std::span<const BoundaryLoop> loops,
+                            const CancelToken& cancel) {
+  const Boundary boundary(uv, loops);
+  Overlap overlap;
+  if (auto ok = CountCrossings(boundary, cancel, overlap); !ok) return Fail(std::move(ok.error()));
+  if (auto ok = CountMisplaced(boundary, cancel, overlap); !ok) return Fail(std::move(ok.error()));
+  return overlap;
+}
+
+}  // namespace arap

@@ -1,0 +1,194 @@
+#include "core/flatten/sheet/pack.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace arap {
+namespace {
+
+// A rectangle must be smaller, or longer than wide, by this part to be worth turning for, so that
+// rounding decides nothing.
+constexpr double kWorthTurning = 1e-9;
+// Lengths of shelf to try, relative to the side of a square of the same area: from, to, how many.
+constexpr double kShortestShelf = 0.8, kLongestShelf = 1.6;
+constexpr int kShelves = 17;
+
+double Cross(Complex a, Complex b) { return a.real() * b.imag() - a.imag() * b.real(); }
+double Dot(Complex a, Complex b) { return a.real() * b.real() + a.imag() * b.imag(); }
+
+// Convex hull, counter-clockwise, without points on its sides [Andrew's monotone chain].
+std::vector<Complex> Hull(std::vector<Complex> points) {
+  const auto before = [](Complex a, Complex b) {
+    return a.real() != b.real() ? a.real() < b.real() : a.imag() < b.imag();
+  };
+  std::sort(points.begin(), points.end(), before);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  if (points.size() < 3) return points;
+  std::vector<Complex> hull;
+  const auto add = [&hull](Complex p, std::size_t keep) {
+    while (hull.size() > keep && Cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0) {
+      hull.pop_back();
+    }
+    hull.push_back(p);
+  };
+  for (const Complex p : points) add(p, 1);
+  const std::size_t lower = hull.size();
+  for (std::size_t k = points.size() - 1; k-- > 0;) add(points[k], lower);
+  hull.pop_back();
+  return hull;
+}
+
+struct Extent {
+  Complex low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  Complex high = -low;
+
+  void Include(Complex p) {
+    low = {std::min(low.real(), p.real()), std::min(low.imag(), p.imag())};
+    high = {std::max(high.real(), p.real()), std::max(high.imag(), p.imag())};
+  }
+  double width() const { return high.real() - low.real(); }
+  double height() const { return high.imag() - low.imag(); }
+};
+
+// One chart: its vertices and its bounding box after the turn.
+struct Chart {
+  std::vector<std::uint32_t> vertices;
+  Extent extent;
+};
+
+std::vector<Chart> Collect(std::span<const std::uint32_t> chart) {
+  std::vector<Chart> charts;
+  for (std::uint32_t v = 0; v < chart.size(); ++v) {
+    if (chart[v] == kNone) continue;
+    if (chart[v] >= charts.size()) charts.resize(std::size_t{chart[v]} + 1);
+    charts[chart[v]].vertices.push_back(v);
+  }
+  return charts;
+}
+
+// Highest first, then by number; without empty ones.
+std::vector<std::uint32_t> ByHeight(const std::vector<Chart>& charts) {
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t c = 0; c < charts.size(); ++c) {
+    if (!charts[c].vertices.empty()) order.push_back(c);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return charts[a].extent.height() > charts[b].extent.height();
+  });
+  return order;
+}
+
+// The lowest left corners of charts on shelves of length `shelf`, in the order given.
+struct Sheet {
+  std::vector<Complex> corners;
+  double width = 0, height = 0;
+};
+
+Sheet FillShelves(const std::vector<Chart>& charts, const std::vector<std::uint32_t>& order,
+                  double shelf, double gap) {
+  Sheet sheet;
+  double x = 0, y = 0;
+  for (const std::uint32_t c : order) {
+    const Extent& extent = charts[c].extent;
+    if (x > 0 && x + extent.width() > shelf) {
+      x = 0;
+      y = sheet.height + gap;
+    }
+    sheet.corners.emplace_back(x, y);
+    sheet.width = std::max(sheet.width, x + extent.width());
+    sheet.height = std::max(sheet.height, y + extent.height());
+    x += extent.width() + gap;
+  }
+  return sheet;
+}
+
+// The sheet with the shortest longer side.
+Sheet BestSheet(const std::vector<Chart>& charts, const std::vector<std::uint32_t>& order,
+                double gap) {
+  double area = 0, widest = 0;
+  for (const std::uint32_t c : order) {
+    const Extent& extent = charts[c].extent;
+    area += (extent.width() + gap) * (extent.height() + gap);
+    widest = std::max(widest, extent.width());
+  }
+  Sheet best;
+  for (int k = 0; k < kShelves; ++k) {
+    const double length = kShortestShelf + (kLongestShelf - kShortestShelf) * k / (kShelves - 1);
+    Sheet sheet = FillShelves(charts, order, std::max(widest, length * std::sqrt(area)), gap);
+    if (k == 0 || std::max(sheet.width, sheet.height) < std::max(best.width, best.height)) {
+      best = std::move(sheet);
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+Complex UprightTurn(std::vector<Complex> points) {
+  const std::vector<Complex> hull = Hull(std::move(points));
+  const std::size_t n = hull.size();
+  if (n < 2) return 1;
+  Extent own;
+  for (const Complex p : hull) own.Include(p);
+  const auto upright = [](Complex direction) {
+    return direction.real() < 0 ? -std::conj(direction) : std::conj(direction);
+  };
+  if (n == 2) return upright((hull[1] - hull[0]) / std::abs(hull[1] - hull[0]));
+  double least = own.width() * own.height();
+  Complex turn = own.height() > own.width() * (1 + kWorthTurning) ? Complex(0, 1) : Complex(1);
+  // A smallest rectangle has a side along a hull edge. Its other three touch the hull at points
+  // that move on as the edge does [rotating calipers].
+  std::size_t right = 1, top = 1, left = 1;
+  for (std::size_t k = 0; k < n; ++k) {
+    const Complex from = hull[k];
+    const Complex direction = (hull[(k + 1) % n] - from) / std::abs(hull[(k + 1) % n] - from);
+    const auto along = [&](std::size_t i) { return Dot(direction, hull[i % n] - from); };
+    const auto above = [&](std::size_t i) { return Cross(direction, hull[i % n] - from); };
+    right = std::max(right, k + 1);
+    while (along(right + 1) > along(right)) ++right;
+    top = std::max(top, right);
+    while (above(top + 1) > above(top)) ++top;
+    left = std::max(left, top);
+    while (along(left + 1) < along(left)) ++left;
+    const double width = along(right) - along(left), height = above(top);
+    if (width * height < least * (1 - kWorthTurning)) {
+      least = width * height;
+      turn = upright(width >= height ? direction : direction * Complex(0, 1));
+    }
+  }
+  return turn;
+}
+
+std::vector<ChartMotion> PackCharts(std::span<Complex> uv, std::span<const std::uint32_t> chart,
+                                    const PackOptions& options) {
+  std::vector<Chart> charts = Collect(chart);
+  std::vector<ChartMotion> motions(charts.size());
+  const auto used = std::count_if(charts.begin(), charts.end(),
+                                  [](const Chart& c) { return !c.vertices.empty(); });
+  if (used < 2) return motions;
+  double sides = 0;
+  for (std::size_t c = 0; c < charts.size(); ++c) {
+    std::vector<Complex> points;
+    for (const std::uint32_t v : charts[c].vertices) points.push_back(uv[v]);
+    if (points.empty()) continue;
+    Complex& turn = motions[c].rotation;
+    if (options.rotate) turn = UprightTurn(points);
+    for (const Complex p : points) charts[c].extent.Include(turn * p);
+    sides += 0.5 * (charts[c].extent.width() + charts[c].extent.height());
+  }
+  const double gap = options.gap * sides / static_cast<double>(used);
+  const std::vector<std::uint32_t> order = ByHeight(charts);
+  const Sheet sheet = BestSheet(charts, order, gap);
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    ChartMotion& motion = motions[order[k]];
+    motion.shift = sheet.corners[k] - charts[order[k]].extent.low;
+    for (const std::uint32_t v : charts[order[k]].vertices) {
+      uv[v] = motion.rotation * uv[v] + motion.shift;
+    }
+  }
+  return motions;
+}
+
+}  // namespace arap

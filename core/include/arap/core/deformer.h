@@ -1,0 +1,54 @@
+// Deformer: targets in, shape out, once per frame [II09 §4, §6 "interactive update"].
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "arap/base/result.h"
+#include "arap/core/compiled_handles.h"
+#include "arap/model/deform.h"
+#include "arap/model/handle.h"
+
+namespace arap {
+
+// The mutable scratch of one stream. Not thread-safe; one Deformer per thread or stream. The answer
+// is a function of the targets alone: nothing is kept from frame to frame, same targets give the
+// same bytes.
+class Deformer {
+ public:
+  // `lanes` frames may be taken side by side with UpdateMany.
+  explicit Deformer(std::shared_ptr<const CompiledHandles> handles, std::size_t lanes = 1);
+  ~Deformer();
+  Deformer(Deformer&&) noexcept;
+  Deformer& operator=(Deformer&&) noexcept;
+
+  // One target per handle, in the order of the set. No heap allocation after the first call.
+  // Cost: linear in #V times the handles, and one back-substitution. Faults: kTargetCount,
+  // kNonFiniteTarget, kConflictingHandles, kInvalidOption, kNumerical; positions() is then as
+  // before.
+  Result<ShapeQuality> Update(std::span<const Target> targets, const DeformOptions& options = {});
+
+  // Up to lanes() frames at once; each shape is the same, to the last bit, as Update's. They share
+  // the passes over the factor, which pays for baking. The first fault ends it for all.
+  Status UpdateMany(std::span<const std::span<const Target>> frames, const DeformOptions& options,
+                    std::span<ShapeQuality> qualities);
+  std::size_t lanes() const;
+
+  // Vertex positions (#V) of the last successful update, at first the rest positions. Valid until
+  // the next call. Unreferenced vertices stay at rest.
+  std::span<const Complex> positions(std::size_t lane = 0) const;
+
+  // Ids of the flipped triangles of the last update, ascending. Allocates.
+  std::vector<std::uint32_t> FlippedTriangles(std::size_t lane = 0) const;
+
+  const std::shared_ptr<const CompiledHandles>& handles() const;
+
+ private:
+  class Scratch;
+  std::unique_ptr<Scratch> scratch_;
+};
+
+}  // namespace arap

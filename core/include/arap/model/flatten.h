@@ -1,0 +1,155 @@
+// Flattening: what to ask for, what comes back, and how far that is from an isometry [II09 §7].
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "arap/model/energy.h"
+#include "arap/model/mesh.h"
+
+namespace arap {
+
+enum class FlattenMethod {
+  kArap,       // both steps with the basis of the energy [II09 §7]
+  kFirstStep,  // the first step alone; with FACE cells and cotangent weights this is LSCM
+  kAbf,        // angle-based flattening, laid out by least squares
+};
+
+enum class FlattenAnchors {
+  kCentreEdge,   // the edge nearest to the area centroid, at its true length [II09 §7]
+  kFarBoundary,  // two boundary vertices far from each other, at their distance in space
+  kSpectral,     // none: least energy for a given spread of the boundary, scaled to the true area
+};
+
+// A vertex held at `uv`, in the units of the input; where a cut doubles it, the first copy on each
+// chart. A pin that is alone on its chart is met whatever its weight.
+struct UvPin {
+  std::uint32_t vertex = 0;
+  Complex uv;         // at most kMaxPinDistance diagonals of the largest chart from 0
+  double weight = 0;  // 0: exactly; else on the squared distance, kMinPinWeight…kMaxPinWeight
+
+  bool operator==(const UvPin&) const = default;
+};
+
+// How several pins on a chart are solved for. Both ways give the same layout.
+enum class PinSolver {
+  kAuto,       // by the number of pins; factored in too where the other way is not exact
+  kNullSpace,  // on factors that serve any pins, a back-substitution per pin; or kNumerical
+  kDirect,     // pins factored in
+};
+
+// The direction from one vertex to another of the same chart, radians from the u axis.
+struct GrainLine {
+  std::uint32_t from = 0, to = 0;
+  double angle = 0;
+
+  bool operator==(const GrainLine&) const = default;
+};
+
+inline constexpr int kMaxFlattenRefine = 1000;
+inline constexpr double kMaxPinWeight = 1e9;
+inline constexpr double kMinPinWeight = 1e-9;
+inline constexpr double kMaxPinDistance = 1e6;
+
+// How a surface becomes charts that can be laid flat.
+struct CutOptions {
+  // Edges to cut, as pairs of vertices in either order. Repeated entries count once; an edge of the
+  // boundary, and one that parts nothing because it is cut on its own inside the surface, is left
+  // alone with a warning. An edge of three or more triangles is cut apart into all of them.
+  std::vector<std::array<std::uint32_t, 2>> seams;
+  // Cut whatever is then no disk: closed surfaces, handles and all boundaries but one, along short
+  // paths that keep to places of high curvature.
+  bool auto_cut = false;
+  // Edges of three or more triangles become boundary of all of them, and a vertex where parts touch
+  // in nothing else is doubled, instead of being faults.
+  bool split_non_manifold = false;
+  // Triangles without area are let through. Not when a whole chart has none.
+  bool tolerate_degenerate = false;
+  MeshLimits limits;  // of the input
+
+  bool operator==(const CutOptions&) const = default;
+};
+
+struct FlattenOptions {
+  FlattenMethod method = FlattenMethod::kArap;
+  EnergyOptions energy{Basis::kFace, Weights::kCotangent, {}};  // rigidity per input triangle
+  FlattenAnchors anchors = FlattenAnchors::kCentreEdge;
+  // At most so many local/global iterations with FACE cells and cotangent weights, which descend
+  // the energy that is reported; they end when one lowers it by less than `refine_stop` of it.
+  int refine = 0;
+  double refine_stop = 0;
+  bool injective = false;  // no flipped triangle, or kNotInjective
+  CutOptions cut;
+  std::vector<UvPin> pins;
+  PinSolver pin_solver = PinSolver::kAuto;
+  std::vector<GrainLine> grain_lines;  // at most one per chart
+
+  bool operator==(const FlattenOptions&) const = default;
+};
+
+// Measures of a mapping, area-weighted with rest areas. s1 >= s2 are the singular values of a
+// triangle's Jacobian; both enter unsigned, except in the ARAP energy, where a flipped triangle has
+// s2 < 0.
+struct Distortion {
+  double arap_energy = 0;           // Σ A((s1−1)² + (s2−1)²) / ΣA
+  double symmetric_dirichlet = 4;   // Σ A(s1² + s2² + s1⁻² + s2⁻²) / ΣA, at most 1e30
+  double area_ratio = 1;            // Σ A·s1·s2 / ΣA (unsigned)
+  double mean_stretch_percent = 0;  // mean of max(0, s1 − 1)
+  double max_stretch_percent = 0;
+  double mean_compression_percent = 0;  // mean of max(0, 1 − s2)
+  double max_compression_percent = 0;
+  double mean_angle_degrees = 0;  // mean of the largest change of a corner angle
+  double max_angle_degrees = 0;
+  std::size_t flipped = 0;
+  std::uint32_t worst_triangle = 0;  // with the largest max(s1, 1/s2)
+
+  bool operator==(const Distortion&) const = default;
+};
+
+// One connected piece of the layout. Indices are flat positions.
+struct FlatChart {
+  std::vector<std::vector<std::uint32_t>> loops;  // ordered boundaries, the longest first
+  std::vector<std::uint32_t> anchors;             // two, or none with several pins or kSpectral
+  std::size_t triangles = 0;
+  Distortion distortion;
+  std::size_t crossings = 0;  // pairs of boundary segments that cross, counted up to a cap
+  int refinements = 0;        // iterations taken
+
+  bool operator==(const FlatChart&) const = default;
+};
+
+// Where the time went: processor time of the calling thread, milliseconds.
+struct FlattenTimes {
+  double topology = 0;  // checks, cuts and charts; 0 for a surface that was prepared before
+  double order = 0;     // fill-reducing orders
+  double factor = 0;    // factorisations; a factor that was kept costs nothing here nor above
+  double solve = 0;     // all the rest
+
+  double total() const { return topology + order + factor + solve; }
+  bool operator==(const FlattenTimes&) const = default;
+};
+
+// A flat surface, true to size: uv in the units of the input. #U > #V where it was cut.
+struct Flattening {
+  std::vector<Complex> uv;                              // #U
+  std::vector<std::uint32_t> source;                    // #U, input vertices; the first #V in order
+  std::vector<std::array<std::uint32_t, 3>> corner_uv;  // #F, in the order of the input's corners
+  std::vector<std::uint32_t> triangle_chart;            // #F
+  std::vector<FlatChart> charts;                        // by lowest triangle
+  std::vector<Complex> first_step;                      // #U, after the first step (Fig. 6a)
+  // #F, s1 >= |s2|, s2 negative when flipped; 0 0 for a triangle left out.
+  std::vector<std::array<double, 2>> singular_values;
+  Distortion distortion;  // of all charts
+  bool overlaps = false;  // boundaries cross within a chart or between charts
+  std::vector<std::array<std::uint32_t, 2>> cuts;  // input vertex pairs: seams, automatic cuts
+  std::size_t auto_cuts = 0;                       // how many of `cuts`, at the end, are automatic
+  std::vector<std::uint32_t> degenerate;           // triangles left out
+  std::vector<Warning> warnings;
+  FlattenTimes times;
+
+  bool operator==(const Flattening&) const = default;
+};
+
+}  // namespace arap

@@ -1,0 +1,18 @@
+// Points of space for computing with: the arrays of the model seen as vectors.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "arap/model/mesh.h"
+
+namespace arap {
+
+// A view: valid as long as the point.
+inline Eigen::Map<const Eigen::Vector3d> Vec(const Point3& point) {
+  return Eigen::Map<const Eigen::Vector3d>(point.data());
+}
+
+inline Point3 ToPoint3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+}  // namespace arap

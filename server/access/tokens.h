@@ -1,0 +1,105 @@
+// Tokens: the token file in force, which can be replaced while the server runs.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "arap/base/result.h"
+#include "server/access/token_file.h"
+#include "server/runtime/clock.h"
+
+namespace arap::app {
+
+class TokenWatch;
+
+// Thread-safe. Make it with Open; it lives as long as the last watch.
+class Tokens : public std::enable_shared_from_this<Tokens> {
+ public:
+  using Lost = std::function<void(Fault)>;
+
+  // Faults as TokenFile::Read. `clock` outlives it.
+  static Result<std::shared_ptr<Tokens>> Open(std::string path, const OwnerLimits& defaults,
+                                              const runtime::Clock& clock);
+
+  // As TokenFile::Check, now.
+  Result<Caller> Check(std::string_view token) const;
+
+  // Reads the file again. Calls from then on are judged by it, and whoever is watched under a token
+  // that it does not hold any more is told. When it cannot be used its fault is answered and the
+  // tokens stay as they were.
+  Status Reload();
+
+  // To be called every few seconds: reloads if the file has changed since it was looked at, and
+  // tells those whose token has expired. True if a new file is in force. The fault of a file that
+  // cannot be used is answered once for each change of it.
+  Result<bool> Refresh();
+
+  // For calls that last: `lost` runs with kUnauthenticated, once, in the thread that reloads or
+  // refreshes, when the token `id` does not belong to `owner` any more; in this one if that is so
+  // already. It must not block. Nothing is promised after the watch is gone but that no new run
+  // begins: let `lost` hold what it touches.
+  TokenWatch Watch(std::string_view id, const std::string& owner, Lost lost);
+
+  std::size_t size() const;
+
+ private:
+  friend class TokenWatch;
+  struct Watched {
+    std::string id;
+    std::string owner;
+    Lost lost;
+  };
+  // What tells one state of a file from another.
+  struct Stamp {
+    std::uint64_t device = 0, inode = 0, size = 0, seconds = 0, nanos = 0;
+    bool operator==(const Stamp&) const = default;
+  };
+
+  Tokens(std::string path, const OwnerLimits& defaults, const runtime::Clock& clock);
+  static Stamp StampOf(const std::string& path);
+  void TellTheLost();
+  void Forget(std::uint64_t key);
+
+  const std::string path_;
+  const OwnerLimits defaults_;
+  const runtime::Clock& clock_;
+  std::mutex reload_mutex_;  // one reload at a time, so that the newest file wins
+
+  mutable std::mutex mutex_;
+  // All below is guarded by mutex_.
+  std::shared_ptr<const TokenFile> file_;
+  Stamp stamp_;
+  std::uint64_t next_key_ = 1;
+  std::map<std::uint64_t, Watched> watched_;
+};
+
+// Ends its watch when it goes. An empty one watches nothing. Move-only.
+class TokenWatch {
+ public:
+  TokenWatch() = default;
+  TokenWatch(TokenWatch&& other) noexcept { *this = std::move(other); }
+  TokenWatch& operator=(TokenWatch&& other) noexcept {
+    std::swap(tokens_, other.tokens_);
+    std::swap(key_, other.key_);
+    return *this;
+  }
+  ~TokenWatch() {
+    if (tokens_) tokens_->Forget(key_);
+  }
+
+ private:
+  friend class Tokens;
+  TokenWatch(std::shared_ptr<Tokens> tokens, std::uint64_t key)
+      : tokens_(std::move(tokens)), key_(key) {}
+
+  std::shared_ptr<Tokens> tokens_;
+  std::uint64_t key_ = 0;
+};
+
+}  // namespace arap::app

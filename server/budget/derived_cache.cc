@@ -1,0 +1,243 @@
+#include "server/budget/derived_cache.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "server/sessions/names.h"
+
+namespace arap::app {
+
+const char* NameOf(DerivedKind kind) {
+  switch (kind) {
+    case DerivedKind::kMesh:
+      return "mesh";
+    case DerivedKind::kHandleSet:
+      return "handle_set";
+    case DerivedKind::kSurface:
+      return "surface";
+  }
+  return "unknown";
+}
+
+DerivedCache::DerivedCache(std::size_t max_bytes, Cap surfaces, const runtime::Clock& clock)
+    : max_bytes_(max_bytes), surfaces_(surfaces), clock_(clock) {}
+
+void DerivedCache::Listen(Listener listener) { listener_ = std::move(listener); }
+
+DerivedCache::Reservation& DerivedCache::Reservation::operator=(Reservation&& other) noexcept {
+  if (this == &other) return *this;
+  Release();
+  cache_ = std::exchange(other.cache_, nullptr);
+  owner_ = std::move(other.owner_);
+  bytes_ = std::exchange(other.bytes_, 0);
+  return *this;
+}
+
+void DerivedCache::Reservation::Release() {
+  if (DerivedCache* cache = std::exchange(cache_, nullptr)) cache->GiveBack(owner_, bytes_);
+}
+
+void DerivedCache::GiveBack(const std::string& owner, std::size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  reserved_ -= bytes;
+  const auto found = owner_bytes_.find(owner);
+  if ((found->second -= bytes) == 0) owner_bytes_.erase(found);
+}
+
+Result<DerivedCache::Reservation> DerivedCache::Reserve(const Caller& caller, std::size_t bytes) {
+  Garbage gone;
+  const std::lock_guard lock(mutex_);
+  DropLeftLocked();
+  const std::size_t most = caller.limits.max_bytes;
+  const auto owner_fits = [&] {
+    const std::size_t used = UsedLocked(caller.owner);
+    return used <= most && bytes <= most - used;
+  };
+  const auto all_fit = [&] {
+    const std::size_t used = UsedLocked();
+    return used <= max_bytes_ && bytes <= max_bytes_ - used;
+  };
+  const auto refuse = [&](const char* quota, std::size_t limit) {
+    return Fail(QuotaFull(quota, limit).Detail("estimate", std::to_string(bytes)));
+  };
+  // What could never fit must not push others out.
+  if (bytes > most ||
+      !MakeRoomLocked(
+          owner_fits, [&](const Entry& e) { return e.key.owner == caller.owner; }, gone)) {
+    return refuse("max_bytes_per_owner", most);
+  }
+  if (bytes > max_bytes_ || !MakeRoomLocked(
+                                all_fit, [](const Entry&) { return true; }, gone)) {
+    return refuse("max_bytes", max_bytes_);
+  }
+  reserved_ += bytes;
+  owner_bytes_[caller.owner] += bytes;
+  return Reservation(this, caller.owner, bytes);
+}
+
+bool DerivedCache::MakeRoomLocked(const std::function<bool()>& enough,
+                                  const std::function<bool(const Entry&)>& counts, Garbage& gone) {
+  // A set holds its mesh: when it has gone, the mesh may go too, so it is asked again. The garbage
+  // must not count as a holder.
+  for (bool progress = true; progress && !enough();) {
+    progress = false;
+    for (auto entry = entries_.end(); entry != entries_.begin() && !enough();) {
+      --entry;
+      if (entry->value.use_count() > 1 || !counts(*entry)) continue;
+      const auto next = std::next(entry);
+      EvictLocked(entry, gone);
+      entry = next;
+      progress = true;
+    }
+  }
+  return enough();
+}
+
+void DerivedCache::RemoveLocked(Entries::iterator entry, Garbage& gone) {
+  Held& held = held_[static_cast<std::size_t>(entry->key.kind)];
+  --held.entries;
+  held.bytes -= entry->bytes;
+  const auto owner = owner_bytes_.find(entry->key.owner);
+  if ((owner->second -= entry->bytes) == 0) owner_bytes_.erase(owner);
+  if (entry->value.use_count() > 1) {
+    leaving_.push_back({entry->key.owner, entry->value, entry->bytes});
+  }
+  by_key_.erase(entry->key);
+  gone.push_back(std::move(entry->value));
+  entries_.erase(entry);
+}
+
+void DerivedCache::EvictLocked(Entries::iterator entry, Garbage& gone) {
+  const DerivedKind kind = entry->key.kind;
+  if (listener_.evicted) listener_.evicted(kind, entry->bytes);
+  RemoveLocked(entry, gone);
+  // Freed at once, since only then it lets go of its mesh.
+  if (kind == DerivedKind::kHandleSet) gone.pop_back();
+}
+
+void DerivedCache::DropLeftLocked() {
+  std::erase_if(leaving_, [](const Leaving& one) { return one.value.expired(); });
+}
+
+std::size_t DerivedCache::UsedLocked() const {
+  std::size_t used = reserved_;
+  for (const Held& held : held_) used += held.bytes;
+  for (const Leaving& one : leaving_) used += one.value.expired() ? 0 : one.bytes;
+  return used;
+}
+
+std::size_t DerivedCache::UsedLocked(const std::string& owner) const {
+  const auto found = owner_bytes_.find(owner);
+  std::size_t used = found == owner_bytes_.end() ? 0 : found->second;
+  for (const Leaving& one : leaving_) {
+    used += one.owner == owner && !one.value.expired() ? one.bytes : 0;
+  }
+  return used;
+}
+
+DerivedCache::Any DerivedCache::FindAny(const DerivedKey& key, bool counted) {
+  const std::lock_guard lock(mutex_);
+  const auto found = by_key_.find(key);
+  const bool hit = found != by_key_.end();
+  if (counted && listener_.looked_up) listener_.looked_up(key.kind, hit);
+  if (!hit) return nullptr;
+  found->second->used = clock_.SteadyNow();
+  entries_.splice(entries_.begin(), entries_, found->second);
+  return found->second->value;
+}
+
+bool DerivedCache::Has(const DerivedKey& key) const {
+  const std::lock_guard lock(mutex_);
+  return by_key_.contains(key);
+}
+
+DerivedCache::Any DerivedCache::KeepAny(const DerivedKey& key, Any value, std::size_t bytes,
+                                        bool replace) {
+  Garbage gone;
+  const std::lock_guard lock(mutex_);
+  if (const auto found = by_key_.find(key); found != by_key_.end()) {
+    if (!replace) return found->second->value;
+    // Kept again, it is no second thing beside itself.
+    if (found->second->value == value) found->second->value.reset();
+    RemoveLocked(found->second, gone);
+  }
+  const bool capped = key.kind == DerivedKind::kSurface;
+  if (capped && (surfaces_.entries == 0 || bytes > surfaces_.bytes)) return value;
+  entries_.push_front({key, value, bytes, clock_.SteadyNow()});
+  by_key_.emplace(key, entries_.begin());
+  Held& held = held_[static_cast<std::size_t>(key.kind)];
+  ++held.entries;
+  held.bytes += bytes;
+  owner_bytes_[key.owner] += bytes;
+  if (capped) {
+    // Here a place is what counts: one in use goes too.
+    while (held.entries > surfaces_.entries || held.bytes > surfaces_.bytes) {
+      auto oldest = std::prev(entries_.end());
+      while (oldest->key.kind != key.kind) --oldest;
+      EvictLocked(oldest, gone);
+    }
+  }
+  TrimLocked(gone);
+  return value;
+}
+
+void DerivedCache::TrimLocked(Garbage& gone) {
+  MakeRoomLocked([this] { return UsedLocked() <= max_bytes_; }, [](const Entry&) { return true; },
+                 gone);
+}
+
+void DerivedCache::Forget(const DerivedKey& key) {
+  Garbage gone;
+  const std::lock_guard lock(mutex_);
+  DropLeftLocked();
+  if (const auto found = by_key_.find(key); found != by_key_.end()) {
+    RemoveLocked(found->second, gone);
+  }
+}
+
+std::size_t DerivedCache::EvictIdle(std::chrono::milliseconds idle) {
+  Garbage gone;
+  const std::lock_guard lock(mutex_);
+  DropLeftLocked();
+  const runtime::Clock::Steady now = clock_.SteadyNow();
+  std::size_t evicted = 0;
+  // Sets first: they hold their meshes.
+  for (const bool sets : {true, false}) {
+    for (auto entry = entries_.begin(); entry != entries_.end();) {
+      const auto next = std::next(entry);
+      if ((entry->key.kind == DerivedKind::kHandleSet) == sets) {
+        if (entry->value.use_count() > 1) {
+          entry->used = now;
+        } else if (now - entry->used >= idle) {
+          EvictLocked(entry, gone);
+          ++evicted;
+        }
+      }
+      entry = next;
+    }
+  }
+  return evicted;
+}
+
+std::size_t DerivedCache::entries(DerivedKind kind) const {
+  const std::lock_guard lock(mutex_);
+  return held_[static_cast<std::size_t>(kind)].entries;
+}
+
+std::size_t DerivedCache::bytes(DerivedKind kind) const {
+  const std::lock_guard lock(mutex_);
+  return held_[static_cast<std::size_t>(kind)].bytes;
+}
+
+std::size_t DerivedCache::bytes() const {
+  const std::lock_guard lock(mutex_);
+  return UsedLocked();
+}
+
+std::size_t DerivedCache::bytes_of(const std::string& owner) const {
+  const std::lock_guard lock(mutex_);
+  return UsedLocked(owner);
+}
+
+}  // namespace arap::app

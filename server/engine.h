@@ -1,0 +1,78 @@
+// Engine: everything that the RPCs of one server share.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <memory>
+
+#include "server/budget/derived_cache.h"
+#include "server/budget/gate.h"
+#include "server/budget/limits.h"
+#include "server/flattening/flatten_cache.h"
+#include "server/runtime/clock.h"
+#include "server/runtime/metrics.h"
+#include "server/runtime/worker_pool.h"
+#include "server/sessions/session_registry.h"
+#include "server/store/open_store.h"
+#include "server/streams/load_guard.h"
+#include "server/streams/open_streams.h"
+
+namespace arap::app {
+
+// How much runs at once.
+struct Lanes {
+  std::size_t workers = 2;          // threads of the interactive lane
+  std::size_t job_workers = 1;      // threads of the job lane
+  std::size_t queue = 256;          // waiting jobs of each lane
+  std::size_t control_workers = 2;  // threads of the control lane
+};
+
+// Registering a mesh yields the processor to frames.
+inline constexpr int kJobNiceness = 10;
+
+// Thread-safe member by member. Three lanes, so that neither an upload nor a slow disk delays a
+// drag:
+//   interactive  frames and light edits; never waits for the store
+//   control      sessions and look-ups: what may wait for the store but computes nothing
+//   jobs         registration, compilation, edits, flattening, tracks, and what was evicted and has
+//                to be computed again
+struct Engine {
+  // `clock` outlives the engine.
+  Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::Clock& clock,
+         store::Stores the_stores);
+
+  // Ends what has expired, evicts what nobody uses, and now and then removes blobs that nothing
+  // names. To be called every second or so, from one thread. Answers the store's fault if it
+  // failed.
+  Status Sweep();
+  // The last of these on its own: blobs older than `age`.
+  Result<store::SweepReport> CollectBlobs(std::chrono::seconds age);
+
+  // Forgets what was computed for a session or a mesh of it that is no more.
+  void Release(const store::SessionRecord& record);
+  void ReleaseHandleSet(const store::SessionKey& session, const std::string& handle_set_id);
+  void ReleaseMesh(const std::string& owner, const std::string& blob);
+
+  runtime::Metrics metrics;  // first: the others count in it until their end
+  const Limits limits;
+  const Lanes lanes;
+  const runtime::Clock& clock;
+  const store::Stores stores;
+  DerivedCache derived;
+  SessionRegistry sessions;
+  FlattenCache surfaces;
+  OpenStreams streams;
+  LoadGuard load;
+  Gate registrations;
+  Gate compilations;
+  Gate flattenings;
+  // Last, so that no job outlives what it uses.
+  runtime::WorkerPool interactive;
+  runtime::WorkerPool control;
+  runtime::WorkerPool jobs;
+
+ private:
+  runtime::Clock::Steady collected_;  // when blobs were; of the thread that sweeps
+};
+
+}  // namespace arap::app

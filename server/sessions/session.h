@@ -1,0 +1,97 @@
+// Session: a namespace of meshes and handle sets that ends when it is deleted or unused for too
+// long — the record that is stored, with what only this process knows of it.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "arap/base/result.h"
+#include "server/runtime/clock.h"
+#include "server/store/session_record.h"
+
+namespace arap::app {
+
+// What a client asks for when it opens a session. Equal specs make CreateSession harmless to
+// repeat.
+struct SessionSpec {
+  std::string id;
+  std::chrono::milliseconds ttl{};  // how long it lives without use
+  std::map<std::string, std::string> labels;
+
+  bool operator==(const SessionSpec&) const = default;
+};
+
+// What a session looked like at one moment.
+struct SessionView {
+  std::string owner;
+  SessionSpec spec;
+  runtime::Clock::Wall created;
+  runtime::Clock::Wall expires;
+  std::vector<std::string> mesh_ids;        // ascending
+  std::vector<std::string> handle_set_ids;  // ascending
+};
+
+// How much longer than it was told to live a session is stored. Its expiry moves with every use;
+// the store follows with every sweep, and a crash in between must not shorten a life.
+inline constexpr std::chrono::milliseconds kStoredLonger = std::chrono::seconds(30);
+
+// Thread-safe. Records are immutable and shared: looking costs a pointer. Only the registry
+// replaces them.
+class Session {
+ public:
+  using Record = std::shared_ptr<const store::SessionRecord>;
+  using Listener = std::function<void()>;
+
+  // `clock` outlives the session. It expires at `expires` unless it is used.
+  Session(Record record, runtime::Clock::Steady expires, const runtime::Clock& clock);
+
+  const store::SessionKey& key() const { return key_; }
+  Record record() const;
+  void Replace(Record record);
+  SessionView View() const;
+
+  // Extends the life to a ttl from now. Never blocks. kNotFound when it has ended or expired.
+  Status Touch();
+  bool expired() const;
+  // The expiry that should be stored, if the stored one is about to be overtaken. Then `Stored`.
+  bool NeedsStoring(runtime::Clock::Wall* expires) const;
+  void Stored(runtime::Clock::Wall expires);
+  runtime::Clock::Wall stored_expires() const;
+
+  // Ends the session and calls the listeners once, in this thread.
+  void End();
+  // Calls `listener` when the session ends; at once if it has. It must not call back into the
+  // session.
+  std::uint64_t AddEndListener(Listener listener);
+  void RemoveEndListener(std::uint64_t id);
+
+ private:
+  runtime::Clock::Wall WallExpiryLocked() const;
+
+  const store::SessionKey key_;
+  const std::chrono::milliseconds ttl_;
+  const runtime::Clock& clock_;
+
+  mutable std::mutex mutex_;
+  // Guarded by mutex_.
+  Record record_;
+  runtime::Clock::Steady expires_;
+  runtime::Clock::Wall stored_expires_;
+  bool ended_ = false;
+  std::uint64_t next_listener_ = 1;
+  std::map<std::uint64_t, Listener> listeners_;
+};
+
+// A part of a record. kNotFound.
+Result<store::MeshRecord> FindMesh(const store::SessionRecord& record, const std::string& mesh_id);
+Result<store::HandleSetRecord> FindHandleSet(const store::SessionRecord& record,
+                                             const std::string& handle_set_id);
+SessionView ViewOf(const store::SessionRecord& record, runtime::Clock::Wall expires);
+
+}  // namespace arap::app

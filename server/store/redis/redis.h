@@ -1,0 +1,66 @@
+// Redis: a thin hull around one connection of hiredis.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <hiredis/hiredis.h>
+
+#include "arap/base/result.h"
+#include "server/store/redis/redis_url.h"
+
+namespace arap::store {
+
+// What Redis answered, with accessors that take nothing for granted. Owns its parts; movable.
+class RedisReply {
+ public:
+  explicit RedisReply(redisReply* reply) : reply_(reply) {}
+
+  bool IsNil() const { return reply_->type == REDIS_REPLY_NIL; }
+  bool IsError() const { return reply_->type == REDIS_REPLY_ERROR; }
+  // 0 for anything but a number, empty for anything but a string, a status or an error.
+  std::int64_t Int() const { return reply_->type == REDIS_REPLY_INTEGER ? reply_->integer : 0; }
+  std::string Text() const { return TextOf(reply_.get()); }
+  // Of an array, nils and foreign elements empty; nothing for anything else.
+  std::vector<std::string> Texts() const;
+
+ private:
+  struct Free {
+    void operator()(redisReply* reply) const { freeReplyObject(reply); }
+  };
+  static std::string TextOf(const redisReply* reply);
+
+  std::unique_ptr<redisReply, Free> reply_;
+};
+
+using RedisCommand = std::vector<std::string>;
+
+// One connection. Not thread-safe. Sends no SIGPIPE when the peer is gone.
+class RedisConnection {
+ public:
+  // Connects, authenticates, selects. kStoreUnavailable after at most `timeout` per step.
+  static Result<std::unique_ptr<RedisConnection>> Open(const RedisUrl& url,
+                                                       std::chrono::milliseconds timeout);
+
+  // Sends all commands at once and waits for the answers, in their order. kStoreUnavailable when
+  // the connection broke: it is not to be used again then. Error replies are values here.
+  Result<std::vector<RedisReply>> Run(const std::vector<RedisCommand>& commands);
+
+  // Whether the break was a timeout: the server is there but does not answer.
+  bool timed_out() const { return timed_out_; }
+
+ private:
+  struct Free {
+    void operator()(redisContext* context) const { redisFree(context); }
+  };
+  RedisConnection() = default;
+  Status Greet(const RedisUrl& url);
+
+  std::unique_ptr<redisContext, Free> context_;
+  bool timed_out_ = false;
+};
+
+}  // namespace arap::store

@@ -1,0 +1,64 @@
+// RedisSpecStore: records in Redis, for many replicas.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/store/redis/redis_pool.h"
+#include "server/store/redis/redis_scripts.h"
+#include "server/store/spec_store.h"
+
+namespace arap::store {
+
+struct RedisOptions {
+  RedisUrl url;
+  std::string prefix = "arap:";  // of all keys; no character that SCAN's patterns know (*?[\)
+  std::chrono::milliseconds timeout{1'000};  // of connecting and of every command
+};
+
+// As durable as Redis is configured to be (appendonly, appendfsync); it must not evict keys
+// (maxmemory-policy noeviction). While it is gone calls fail at once, while it hangs within
+// RedisOptions::timeout; afterwards the next call works. When a connection breaks in the middle of
+// a call and no new one can be had, whether something was changed is not known.
+class RedisSpecStore final : public SpecStore {
+ public:
+  // Connects at the first call.
+  explicit RedisSpecStore(RedisOptions options);
+
+  Result<std::optional<SessionRecord>> Load(const SessionKey& key) override;
+  Result<std::optional<std::uint64_t>> Revision(const SessionKey& key) override;
+  Result<bool> Put(const SessionRecord& record) override;
+  Result<bool> Extend(const SessionKey& key, runtime::Clock::Wall expires) override;
+  Result<bool> Remove(const SessionKey& key) override;
+  Result<std::vector<SessionRecord>> List(const std::string& owner, const std::string& after,
+                                          std::size_t limit) override;
+  Result<std::vector<std::string>> Owners() override;
+  Result<Usage> UsageOf(const std::string& owner) override;
+  Result<std::size_t> Count() override;
+  Result<std::vector<SessionKey>> RemoveExpired(runtime::Clock::Wall now,
+                                                std::size_t limit) override;
+  Result<std::set<std::string>> ReferencedBlobs() override;
+  bool shared() const override { return true; }
+  Status Probe() override;
+
+ private:
+  std::string Key(const std::string& name) const { return prefix_ + name; }
+  // session, ids, counts, owners, expiry
+  std::vector<std::string> KeysOf(const SessionKey& key) const;
+  std::string NewToken();
+
+  // One command whose reply is no error.
+  Result<RedisReply> Run(RedisCommand command);
+  Result<RedisReply> Run(const RedisScript& script, const std::vector<std::string>& keys,
+                         const std::vector<std::string>& arguments);
+
+  const std::string prefix_;
+  const std::string writer_;  // no other store has it
+  std::atomic<std::uint64_t> writes_{0};
+  RedisPool pool_;
+};
+
+}  // namespace arap::store

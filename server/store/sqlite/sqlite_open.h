@@ -1,0 +1,28 @@
+// Opening the database of sessions in a directory.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "arap/base/result.h"
+#include "server/store/recovery.h"
+#include "server/store/sqlite/sqlite.h"
+
+namespace arap::store {
+
+struct OpenedDatabase {
+  Sqlite database;
+  std::optional<Recovery> recovery;  // it was damaged
+};
+
+// How much is looked at before a database is trusted.
+enum class Trust {
+  kCheck,    // every page, and it is created when missing: for the start, and after damage was seen
+  kAsItWas,  // none, and it has to be there: after a fault of the disk
+};
+
+// Opens sessions.db in `directory` for this process alone: WAL, synchronous = FULL. What is damaged
+// is recovered. kStoreUnavailable when it cannot be read or written, or is of a later version.
+Result<OpenedDatabase> OpenDatabase(const std::string& directory, Trust trust);
+
+}  // namespace arap::store

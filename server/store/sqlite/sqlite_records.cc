@@ -1,0 +1,128 @@
+#include "server/store/sqlite/sqlite_records.h"
+
+#include <set>
+
+#include "server/runtime/sha256.h"
+#include "server/store/record_format.h"
+#include "server/store/store_fault.h"
+
+namespace arap::store {
+namespace {
+
+constexpr const char* kTables = R"sql(
+CREATE TABLE sessions (
+  number      INTEGER PRIMARY KEY,
+  owner       TEXT NOT NULL,
+  id          TEXT NOT NULL,
+  revision    INTEGER NOT NULL,
+  expires     INTEGER NOT NULL,
+  meshes      INTEGER NOT NULL,
+  handle_sets INTEGER NOT NULL,
+  sum         TEXT NOT NULL,
+  record      TEXT NOT NULL
+);
+CREATE UNIQUE INDEX by_key ON sessions (owner, id);
+CREATE INDEX by_expiry ON sessions (expires, owner, id);
+CREATE TABLE blobs (
+  session INTEGER NOT NULL,
+  blob    TEXT NOT NULL,
+  PRIMARY KEY (session, blob)
+) WITHOUT ROWID;
+CREATE TABLE owners (
+  owner       TEXT NOT NULL PRIMARY KEY,
+  sessions    INTEGER NOT NULL,
+  meshes      INTEGER NOT NULL,
+  handle_sets INTEGER NOT NULL
+) WITHOUT ROWID;
+CREATE TRIGGER session_added AFTER INSERT ON sessions BEGIN
+  INSERT INTO owners VALUES (new.owner, 1, new.meshes, new.handle_sets)
+    ON CONFLICT (owner) DO UPDATE SET sessions = sessions + 1,
+      meshes = meshes + excluded.meshes, handle_sets = handle_sets + excluded.handle_sets;
+END;
+CREATE TRIGGER session_changed AFTER UPDATE OF meshes, handle_sets ON sessions BEGIN
+  UPDATE owners SET meshes = meshes + new.meshes - old.meshes,
+      handle_sets = handle_sets + new.handle_sets - old.handle_sets
+    WHERE owner = new.owner;
+END;
+CREATE TRIGGER session_removed AFTER DELETE ON sessions BEGIN
+  DELETE FROM blobs WHERE session = old.number;
+  UPDATE owners SET sessions = sessions - 1, meshes = meshes - old.meshes,
+      handle_sets = handle_sets - old.handle_sets
+    WHERE owner = old.owner;
+  DELETE FROM owners WHERE owner = old.owner AND sessions = 0;
+END;
+PRAGMA user_version = 1;
+)sql";
+
+}  // namespace
+
+SqliteCode CreateTables(Sqlite& database) {
+  Transaction transaction(database);
+  if (transaction.code() != SQLITE_OK) return transaction.code();
+  if (const SqliteCode code = database.Run(kTables); code != SQLITE_OK) return code;
+  return transaction.Commit();
+}
+
+SqliteCode CheckTables(Sqlite& database) {
+  return database.Run("SELECT number, " ARAP_SESSION_COLUMNS
+                      ", meshes, handle_sets FROM sessions LIMIT 0;"
+                      "SELECT session, blob FROM blobs LIMIT 0;"
+                      "SELECT owner, sessions, meshes, handle_sets FROM owners LIMIT 0");
+}
+
+SessionRow ReadRow(const Query& query) {
+  return {{query.Text(0), query.Text(1)}, query.Int(2), query.Int(3), query.Text(4), query.Text(5)};
+}
+
+Result<SessionRecord> RecordOf(const SessionRow& row) {
+  auto sum = runtime::Sha256Hex(row.text);
+  if (!sum) return Fail(sum.error());
+  if (*sum != row.sum) return Fail(LostRecord(row.key));
+  auto record = DecodeRecord(row.text);
+  if (!record || record->key != row.key ||
+      record->revision != static_cast<std::uint64_t>(row.revision)) {
+    return Fail(LostRecord(row.key));
+  }
+  record->expires = FromMillis(row.expires);
+  return record;
+}
+
+Result<SessionRow> RowOf(const SessionRecord& record) {
+  auto text = EncodeRecord(record);
+  if (!text) return Fail(text.error());
+  auto sum = runtime::Sha256Hex(*text);
+  if (!sum) return Fail(sum.error());
+  return SessionRow{record.key, static_cast<std::int64_t>(record.revision),
+                    ToMillis(record.expires), *std::move(sum), *std::move(text)};
+}
+
+SqliteCode WriteRow(Sqlite& database, const SessionRow& row, const SessionRecord& record,
+                    std::int64_t number) {
+  const auto meshes = static_cast<std::int64_t>(record.meshes.size());
+  const auto handle_sets = static_cast<std::int64_t>(record.handle_sets.size());
+  if (number == 0) {
+    Query add(database,
+              "INSERT INTO sessions (owner, id, revision, expires, sum, record, meshes, "
+              "handle_sets) VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+    add.Bind(row.key.owner).Bind(row.key.id).Bind(row.revision).Bind(row.expires).Bind(row.sum);
+    if (add.Bind(row.text).Bind(meshes).Bind(handle_sets).Run() != SQLITE_OK) return add.code();
+    number = sqlite3_last_insert_rowid(database.get());
+  } else {
+    Query change(database,
+                 "UPDATE sessions SET revision = ?, expires = ?, sum = ?, record = ?, meshes = ?, "
+                 "handle_sets = ? WHERE number = ?");
+    change.Bind(row.revision).Bind(row.expires).Bind(row.sum).Bind(row.text).Bind(meshes);
+    if (change.Bind(handle_sets).Bind(number).Run() != SQLITE_OK) return change.code();
+    Query forget(database, "DELETE FROM blobs WHERE session = ?");
+    if (forget.Bind(number).Run() != SQLITE_OK) return forget.code();
+  }
+  std::set<std::string_view> blobs;
+  for (const auto& [id, mesh] : record.meshes) blobs.insert(mesh.blob);
+  for (const std::string_view blob : blobs) {
+    Query name(database, "INSERT INTO blobs VALUES (?, ?)");
+    if (name.Bind(number).Bind(blob).Run() != SQLITE_OK) return name.code();
+  }
+  return SQLITE_OK;
+}
+
+}  // namespace arap::store

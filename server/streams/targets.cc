@@ -1,0 +1,157 @@
+#include "server/streams/targets.h"
+
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "server/sessions/names.h"
+
+namespace arap::app {
+namespace {
+
+constexpr std::size_t kNamesInMessage = 5;
+
+Fault Miscount(std::size_t count, std::size_t expected, const std::string& what) {
+  Fault fault(FaultKind::kTargetCount,
+              fmt::format("There are {} targets for {} handles{}.", count, expected, what));
+  return fault.Detail("count", std::to_string(count)).Detail("expected", std::to_string(expected));
+}
+
+// Names the handles that nothing in `seen` moves.
+Fault Missing(const CompiledHandles& handles, const std::vector<bool>& seen, std::size_t count) {
+  std::string names;
+  std::size_t missing = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen[i] || ++missing > kNamesInMessage) continue;
+    names += (names.empty() ? "" : ", ") + handles.handles()[i].handle.id;
+  }
+  if (missing > kNamesInMessage) names += ", ...";
+  Fault fault = Miscount(count, seen.size(), fmt::format("; {} missing: {}", missing, names));
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (!seen[i]) fault.Element(static_cast<std::uint32_t>(i));
+  }
+  return fault.Detail("missing", names).Field("targets");
+}
+
+// The indices in the set of `count` ids, each at most once; `seen` is set for every handle found.
+template <class IdAt, class FieldAt>
+Result<std::vector<std::size_t>> Resolve(const CompiledHandles& handles, std::size_t count,
+                                         IdAt id_at, FieldAt field_at, std::vector<bool>& seen) {
+  std::vector<std::size_t> order;
+  order.reserve(count);
+  seen.assign(handles.handles().size(), false);
+  std::size_t next = 0;  // clients mostly keep the order of the set: look there first
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::string_view id = id_at(i);
+    const bool in_order = next < seen.size() && handles.handles()[next].handle.id == id;
+    const auto index = in_order ? std::optional(next) : handles.Find(id);
+    if (!index || seen[*index]) {
+      return Fail(Fault(index ? FaultKind::kDuplicateHandle : FaultKind::kUnknownHandle,
+                        index ? fmt::format("The handle {} is named twice.", Quote(id))
+                              : fmt::format("There is no handle {}.", Quote(id)))
+                      .Field(field_at(i))
+                      .Detail("handle_id", std::string(id)));
+    }
+    seen[*index] = true;
+    next = *index + 1;
+    order.push_back(*index);
+  }
+  return order;
+}
+
+Result<std::vector<std::size_t>> ResolveTargets(const CompiledHandles& handles,
+                                                std::span<const NamedTarget> named,
+                                                std::vector<bool>& seen) {
+  auto order = Resolve(
+      handles, named.size(), [&](std::size_t i) { return named[i].handle_id; },
+      [](std::size_t i) { return fmt::format("targets[{}].handle_id", i); }, seen);
+  if (!order) return order;
+  for (std::size_t i = 0; i < named.size(); ++i) {
+    if (auto good = CheckTarget(named[i].target, fmt::format("targets[{}]", i)); !good) {
+      Fault fault = std::move(good.error());
+      fault.Element(static_cast<std::uint32_t>((*order)[i]));
+      return Fail(fault.Detail("handle_id", std::string(named[i].handle_id)));
+    }
+  }
+  return order;
+}
+
+}  // namespace
+
+Status CheckTarget(const Target& target, std::string_view field) {
+  const auto bad = [&](double value, const char* part) {
+    return Fail(Fault(FaultKind::kNonFiniteTarget, fmt::format("{}.{} is not finite.", field, part))
+                    .Field(fmt::format("{}.{}", field, part))
+                    .Detail("value", fmt::format("{}", value)));
+  };
+  if (!std::isfinite(target.position.real())) return bad(target.position.real(), "x");
+  if (!std::isfinite(target.position.imag())) return bad(target.position.imag(), "y");
+  if (!std::isfinite(target.angle)) return bad(target.angle, "angle_radians");
+  if (!std::isfinite(target.scale)) return bad(target.scale, "scale");
+  if (target.scale < 0 || target.scale > kMaxTargetScale) {
+    return Fail(
+        Fault(FaultKind::kInvalidOption, fmt::format("{}.scale of {} is not between 0 and {}.",
+                                                     field, target.scale, kMaxTargetScale))
+            .Field(fmt::format("{}.scale", field))
+            .Detail("value", fmt::format("{}", target.scale))
+            .Detail("limit", fmt::format("{}", kMaxTargetScale)));
+  }
+  return {};
+}
+
+Status MergeTargets(const CompiledHandles& handles, std::span<const NamedTarget> named,
+                    std::vector<Target>& targets) {
+  std::vector<bool> seen;
+  auto order = ResolveTargets(handles, named, seen);
+  if (!order) return Fail(std::move(order.error()));
+  for (std::size_t i = 0; i < named.size(); ++i) targets[(*order)[i]] = named[i].target;
+  return {};
+}
+
+Status PackedTargets(const CompiledHandles& handles, std::span<const double> positions,
+                     std::vector<Target>& targets) {
+  const std::size_t expected = handles.handles().size();
+  if (positions.size() != 2 * expected) {
+    Fault fault = Miscount(positions.size() / 2, expected,
+                           fmt::format(", positions has {} numbers", positions.size()));
+    return Fail(fault.Detail("length", std::to_string(positions.size())).Field("positions"));
+  }
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (std::isfinite(positions[i])) continue;
+    Fault fault = Fault(FaultKind::kNonFiniteTarget, fmt::format("positions[{}] is not finite.", i))
+                      .Field(fmt::format("positions[{}]", i))
+                      .Detail("value", fmt::format("{}", positions[i]));
+    return Fail(fault.Element(static_cast<std::uint32_t>(i / 2)));
+  }
+  for (std::size_t i = 0; i < expected; ++i) {
+    targets[i].position = {positions[2 * i], positions[2 * i + 1]};
+  }
+  return {};
+}
+
+Result<std::vector<Target>> CompleteTargets(const CompiledHandles& handles,
+                                            std::span<const NamedTarget> named) {
+  std::vector<bool> seen;
+  auto order = ResolveTargets(handles, named, seen);
+  if (!order) return Fail(std::move(order.error()));
+  if (named.size() != seen.size()) return Fail(Missing(handles, seen, named.size()));
+  std::vector<Target> targets(named.size());
+  for (std::size_t i = 0; i < named.size(); ++i) targets[(*order)[i]] = named[i].target;
+  return targets;
+}
+
+Result<std::vector<std::size_t>> CompleteOrder(const CompiledHandles& handles,
+                                               std::span<const std::string_view> ids) {
+  std::vector<bool> seen;
+  auto order = Resolve(
+      handles, ids.size(), [&](std::size_t i) { return ids[i]; },
+      [](std::size_t i) { return fmt::format("handle_ids[{}]", i); }, seen);
+  if (order && ids.size() != seen.size()) {
+    return Fail(Missing(handles, seen, ids.size()).Field("handle_ids"));
+  }
+  return order;
+}
+
+}  // namespace arap::app

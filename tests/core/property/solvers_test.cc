@@ -1,0 +1,116 @@
+// The two solvers, edits and fresh compilations all lead to the same minimiser.
+#include "tests/core/property/fixture.h"
+#include "tests/support/compare.h"
+#include "tests/support/meshes.h"
+
+namespace arap::testing {
+namespace {
+
+std::shared_ptr<const CompiledHandles> CompileWith(
+    const std::shared_ptr<const RegisteredMesh>& mesh, const std::vector<Handle>& handles,
+    HandleSolver solver) {
+  return Must(CompiledHandles::Compile(mesh, handles, {}, solver));
+}
+
+struct SolverCase {
+  Basis basis;
+  Weights weights;
+  int hard;  // every so manyth handle is hard; 0: none
+};
+
+class SolversTest : public ::testing::TestWithParam<SolverCase> {};
+
+TEST_P(SolversTest, DirectAndNullSpaceAgree) {
+  const auto& [basis, weights, hard] = GetParam();
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const PlanarMesh mesh = TwoComponents(14, 12, seed);
+    const auto registered = Register(mesh, basis, weights);
+    auto handles = RandomHandles(mesh, 12, seed);
+    for (std::size_t i = 0; hard != 0 && i < handles.size(); i += static_cast<std::size_t>(hard)) {
+      handles[i].hard = true;
+    }
+    const auto a = CompileWith(registered, handles, HandleSolver::kNullSpace);
+    const auto b = CompileWith(registered, handles, HandleSolver::kDirect);
+    EXPECT_FALSE(a->direct());
+    EXPECT_TRUE(b->direct());
+    const auto targets = RandomTargets(*a, 5, seed);
+    for (const DeformMode mode :
+         {DeformMode::kRigid, DeformMode::kSimilarity, DeformMode::kBaseline}) {
+      const DeformOptions options{mode, mode == DeformMode::kRigid ? 3 : 0};
+      EXPECT_LE(RelativeDistance(Deform(b, targets, options), Deform(a, targets, options)), 1e-8)
+          << "seed " << seed << " mode " << static_cast<int>(mode);
+    }
+  }
+}
+
+TEST_P(SolversTest, EditsEqualFreshCompilations) {
+  const auto& [basis, weights, hard] = GetParam();
+  const PlanarMesh mesh = JitteredGrid(20, 15, 4);
+  const auto registered = Register(mesh, basis, weights);
+  auto handles = RandomHandles(mesh, 9, 5);
+  for (std::size_t i = 0; hard != 0 && i < handles.size(); i += static_cast<std::size_t>(hard)) {
+    handles[i].hard = true;
+  }
+  const std::vector<Handle> first(handles.begin(), handles.begin() + 5);
+  const std::vector<Handle> rest(handles.begin() + 5, handles.end());
+  const auto few = Compile(registered, first);
+  const auto all = Compile(registered, handles);
+  const auto added = Must(few->Edit({}, rest));
+  const auto targets = RandomTargets(*all, 4, 6);
+  EXPECT_LE(RelativeDistance(Deform(added, targets), Deform(all, targets)), 1e-9);
+
+  // Adding and removing again is the identity, to the last bit.
+  const std::vector<std::string> ids{"h5", "h6", "h7", "h8"};
+  const auto back = Must(added->Edit(ids, {}));
+  const auto some = RandomTargets(*few, 4, 7);
+  EXPECT_EQ(Deform(back, some), Deform(few, some));
+
+  // Removing from the middle keeps the order of the others.
+  const std::vector<std::string> middle{"h1", "h3"};
+  const auto without = Must(all->Edit(middle, {}));
+  std::vector<Handle> kept;
+  for (const Handle& h : handles) {
+    if (h.id != "h1" && h.id != "h3") kept.push_back(h);
+  }
+  const auto fresh = Compile(registered, kept);
+  const auto others = RandomTargets(*fresh, 4, 8);
+  EXPECT_LE(RelativeDistance(Deform(without, others), Deform(fresh, others)), 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, SolversTest,
+                         ::testing::Values(SolverCase{Basis::kEdge, Weights::kUniform, 0},
+                                           SolverCase{Basis::kEdge, Weights::kUniform, 3},
+                                           SolverCase{Basis::kEdgeAsPublished, Weights::kCotangent,
+                                                      2},
+                                           SolverCase{Basis::kFace, Weights::kCotangent, 1},
+                                           SolverCase{Basis::kVertex, Weights::kUniform, 4}));
+
+TEST(SolverChoiceTest, ManyRowsFactorDirectlyAndEditsCrossTheThreshold) {
+  const PlanarMesh mesh = JitteredGrid(20, 15, 4);
+  const auto registered = Register(mesh);
+  const auto handles = RandomHandles(mesh, kDirectRows + 4, 5);
+  const auto many = Compile(registered, handles);
+  EXPECT_TRUE(many->direct());
+  std::vector<std::string> remove;
+  for (int i = 0; i < 10; ++i) remove.push_back("h" + std::to_string(i));
+  const auto fewer = Must(many->Edit(remove, {}));
+  EXPECT_FALSE(fewer->direct());
+  const auto fresh = Compile(registered, {handles.begin() + 10, handles.end()});
+  const auto targets = RandomTargets(*fresh, 2, 1);
+  EXPECT_EQ(Deform(fewer, targets), Deform(fresh, targets));
+  const auto again = Must(fewer->Edit({}, {handles.begin(), handles.begin() + 10}));
+  EXPECT_TRUE(again->direct());
+}
+
+TEST(SolverChoiceTest, DirectIsExactForRigidMotionsToo) {
+  const PlanarMesh mesh = JitteredGrid(60, 60, 3);
+  const auto set = Compile(Register(mesh), RandomHandles(mesh, 200, 2));
+  ASSERT_TRUE(set->direct());
+  const RigidMotion motion{2.2, {300, -200}};
+  auto targets = set->RestTargets();
+  for (Target& t : targets) t.position = motion(t.position);
+  EXPECT_LE(RelativeDistance(Deform(set, targets), Apply(motion, mesh.vertices)), 1e-12);
+}
+
+}  // namespace
+}  // namespace arap::testing

@@ -1,0 +1,1 @@
+// A target needs a source; the headers are what matters (tests/CMakeLists.txt).

@@ -1,0 +1,228 @@
+// The server's rooms below the wire: sessions, the mesh cache, cancellation, targets, poses.
+#include <complex>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "server/engine.h"
+#include "server/runtime/fake_clock.h"
+#include "server/sessions/handle_sets.h"
+#include "server/sessions/names.h"
+#include "server/sessions/registration.h"
+#include "server/sessions/warm.h"
+#include "server/streams/live_set.h"
+#include "server/streams/pose.h"
+#include "server/streams/targets.h"
+
+namespace arap::app {
+namespace {
+
+using std::chrono::seconds;
+
+// Two triangles: the unit square.
+PlanarMesh Square() { return {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {{0, 1, 2}, {0, 2, 3}}}; }
+
+Handle AtVertex(const std::string& id, std::uint32_t vertex) {
+  Handle handle;
+  handle.id = id;
+  handle.anchor = VertexAnchor{vertex};
+  return handle;
+}
+
+class AppTest : public ::testing::Test {
+ protected:
+  std::shared_ptr<Session> Open(const std::string& id, seconds ttl = seconds(60)) {
+    EXPECT_TRUE(engine_.sessions.Create(ann_, {id, ttl, {}}));
+    return *engine_.sessions.Use("ann", id);
+  }
+  Result<Registration> Register(const std::string& session, const std::string& mesh,
+                                const EnergyOptions& options = {}, const CancelToken& cancel = {}) {
+    return RegisterMesh(engine_, ann_, session, mesh, Square(), options, cancel);
+  }
+  Result<HandleSetEntry> Compile(const std::string& set, const std::vector<Handle>& handles,
+                                 const CancelToken& cancel = {}) {
+    return CompileHandles(engine_, ann_, "s", "m", set, handles, cancel);
+  }
+  bool IsKept(const std::string& hash) { return engine_.derived.Has(MeshKey("ann", hash)); }
+
+  runtime::FakeClock clock_;
+  const Caller ann_{"ann", Role::kUser, {}};
+  Engine engine_{Limits{}, Lanes{1, 1, 8}, clock_, *store::OpenStores({})};
+};
+
+TEST_F(AppTest, EndOfASessionIsToldOnce) {
+  auto session = Open("s");
+  int told = 0;
+  int removed = 0;
+  session->AddEndListener([&] { ++told; });
+  session->RemoveEndListener(session->AddEndListener([&] { ++removed; }));
+  ASSERT_TRUE(engine_.sessions.Delete("ann", "s"));
+  EXPECT_EQ(told, 1);
+  EXPECT_EQ(removed, 0);
+  session->End();
+  EXPECT_EQ(told, 1);
+  session->AddEndListener([&] { ++told; });
+  EXPECT_EQ(told, 2) << "at once when it has ended";
+}
+
+TEST_F(AppTest, ExpiryIsToldWhenSomebodyLooks) {
+  auto session = Open("s", seconds(5));
+  int told = 0;
+  session->AddEndListener([&] { ++told; });
+  clock_.Advance(seconds(5));
+  EXPECT_EQ(told, 0);
+  EXPECT_TRUE(engine_.sessions.List("ann", 0, "")->sessions.empty());
+  EXPECT_EQ(told, 1);
+  EXPECT_FALSE(session->Touch()) << "an expired session does not come back";
+}
+
+TEST_F(AppTest, EndedSessionTakesNothing) {
+  auto session = Open("s");
+  ASSERT_TRUE(engine_.sessions.Delete("ann", "s"));
+  const auto changed = engine_.sessions.Change(*session, [](store::SessionRecord& record) {
+    record.meshes["m"] = {"0"};
+    return Result<bool>(true);
+  });
+  ASSERT_FALSE(changed);
+  EXPECT_EQ(changed.error().kind, FaultKind::kNotFound);
+}
+
+TEST_F(AppTest, DeletedSessionsFreeTheirMeshes) {
+  Open("s");
+  Open("t");
+  const auto first = Register("s", "m");
+  ASSERT_TRUE(first);
+  const auto second = Register("t", "m");
+  ASSERT_TRUE(second);
+  EXPECT_EQ(first->entry.mesh, second->entry.mesh);
+  const std::weak_ptr<const RegisteredMesh> mesh = first->entry.mesh;
+  const std::string hash = first->entry.content_hash;
+  ASSERT_TRUE(engine_.sessions.Delete("ann", "s"));
+  EXPECT_TRUE(IsKept(hash)) << "the other session has it";
+  ASSERT_TRUE(engine_.sessions.Delete("ann", "t"));
+  EXPECT_FALSE(IsKept(hash));
+  EXPECT_FALSE(mesh.expired()) << "running work still holds it";
+  EXPECT_EQ(engine_.derived.bytes(), mesh.lock()->report().bytes) << "and it still counts";
+}
+
+TEST_F(AppTest, DeletedMeshIsFreed) {
+  Open("s");
+  std::weak_ptr<const RegisteredMesh> mesh;
+  std::string hash;
+  {
+    const auto registration = Register("s", "m");
+    ASSERT_TRUE(registration);
+    mesh = registration->entry.mesh;
+    hash = registration->entry.content_hash;
+  }
+  ASSERT_TRUE(Compile("h", {AtVertex("a", 0)}));
+  EXPECT_FALSE(mesh.expired());
+  ASSERT_TRUE(DeleteMesh(engine_, ann_, "s", "m"));
+  EXPECT_TRUE(mesh.expired());
+  EXPECT_FALSE(IsKept(hash));
+  EXPECT_EQ(engine_.derived.bytes(), 0u);
+}
+
+TEST_F(AppTest, OptionsAreContentToo) {
+  Open("s");
+  const auto edge = Register("s", "m");
+  const auto face = Register("s", "n", {Basis::kFace, {}, {}});
+  const auto rigid = Register("s", "o", {{}, {}, {1, 2}});
+  ASSERT_TRUE(edge && face && rigid);
+  EXPECT_NE(edge->entry.content_hash, face->entry.content_hash);
+  EXPECT_NE(edge->entry.content_hash, rigid->entry.content_hash);
+}
+
+TEST_F(AppTest, CancelledWorkKeepsNothing) {
+  auto session = Open("s");
+  const CancelToken cancelled(
+      [] { return Status(Fail(FaultKind::kCancelled, "The caller has cancelled.")); });
+  const auto mesh = Register("s", "m", {}, cancelled);
+  ASSERT_FALSE(mesh);
+  EXPECT_EQ(mesh.error().kind, FaultKind::kCancelled);
+  EXPECT_FALSE(FindMesh(*session->record(), "m"));
+  ASSERT_TRUE(Register("s", "m"));
+  const auto set = Compile("h", {AtVertex("a", 0)}, cancelled);
+  ASSERT_FALSE(set);
+  EXPECT_EQ(set.error().kind, FaultKind::kCancelled);
+  EXPECT_FALSE(FindHandleSet(*session->record(), "h"));
+}
+
+TEST_F(AppTest, EditsThatMeetAreDoneOneOnTheOther) {
+  auto session = Open("s");
+  ASSERT_TRUE(Register("s", "m"));
+  ASSERT_TRUE(Compile("h", {AtVertex("a", 0)}));
+  // While one is being compiled another one is stored: on the first question, once.
+  bool interfered = false;
+  const CancelToken other([&] {
+    if (!std::exchange(interfered, true)) {
+      EXPECT_TRUE(EditHandles(engine_, ann_, "s", "h", {}, {AtVertex("b", 1)}, {}));
+    }
+    return Status{};
+  });
+  const auto both = EditHandles(engine_, ann_, "s", "h", {}, {AtVertex("c", 2)}, other);
+  ASSERT_TRUE(both);
+  EXPECT_TRUE(interfered);
+  EXPECT_EQ(both->revision, 3u);
+  EXPECT_EQ(both->handles->handles().size(), 3u);
+  EXPECT_EQ(FindHandleSet(*session->record(), "h")->definitions.size(), 3u);
+}
+
+class PoseTest : public AppTest {
+ protected:
+  void SetUp() override {
+    Open("s");
+    ASSERT_TRUE(Register("s", "m"));
+  }
+
+  PlacedHandle Placed(const Handle& handle) {
+    const std::string set = "set" + std::to_string(sets_++);
+    const auto entry = Compile(set, {handle});
+    EXPECT_TRUE(entry);
+    return entry->handles->handles().front();
+  }
+
+  int sets_ = 0;
+};
+
+TEST_F(PoseTest, EveryKindOfAnchorFollowsTheShape) {
+  // Turned by a quarter, doubled, moved.
+  const Complex a(0, 2);
+  const Complex b(5, -1);
+  std::vector<Complex> now;
+  for (const Complex& vertex : Square().vertices) now.push_back(a * vertex + b);
+
+  Handle point = AtVertex("p", 0);
+  point.anchor = PointAnchor{{0.25, 0.5}};
+  Handle in_triangle = AtVertex("t", 0);
+  in_triangle.anchor = TriangleAnchor{1, {0.5, 0.25, 0.25}};
+  Handle snapped = AtVertex("n", 0);
+  snapped.anchor = PointAnchor{{0.3, -7}};
+  snapped.outside = Outside::kSnap;
+  for (const Handle& handle : {AtVertex("v", 2), point, in_triangle, snapped}) {
+    const PlacedHandle placed = Placed(handle);
+    const Target pose = PoseOf(Square(), placed, now);
+    EXPECT_LT(std::abs(pose.position - (a * placed.rest + b)), 1e-9) << handle.id;
+    EXPECT_NEAR(pose.angle, std::arg(a), 1e-9) << handle.id;
+    EXPECT_NEAR(pose.scale, 2, 1e-9) << handle.id;
+  }
+}
+
+TEST_F(PoseTest, CollapsedTriangleGivesNoRotation) {
+  const std::vector<Complex> now(4, Complex(3, 3));
+  const Target pose = PoseOf(Square(), Placed(AtVertex("v", 1)), now);
+  EXPECT_EQ(pose.position, Complex(3, 3));
+  EXPECT_EQ(pose.angle, 0);
+  EXPECT_EQ(pose.scale, 1);
+}
+
+TEST(NamesTest, QuotesAreHarmless) {
+  EXPECT_EQ(Quote("plain"), "\"plain\"");
+  EXPECT_EQ(Quote("line\nbreak\x01"), "\"line?break?\"");
+  EXPECT_EQ(Quote(std::string(1'000, 'x')).size(), 64u + 5u);
+}
+
+}  // namespace
+}  // namespace arap::app

@@ -1,0 +1,137 @@
+// Blob files: durable names, damage that is noticed, a sweep that touches only its own.
+#include <atomic>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "server/runtime/sha256.h"
+#include "server/store/blobs/file_blobs.h"
+#include "tests/server/store/temp_dir.h"
+
+namespace arap::store {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::hours;
+using std::chrono::seconds;
+
+class BlobTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto opened = FileBlobStore::Open(root_);
+    ASSERT_TRUE(opened);
+    blobs_ = *std::move(opened);
+    ASSERT_TRUE(blobs_->Put(hash_, bytes_));
+  }
+  std::string PathOf(const std::string& hash) const {
+    return root_ + "/" + hash.substr(0, 2) + "/" + hash.substr(2, 2) + "/" + hash;
+  }
+  std::string WhyLost() {
+    const auto got = blobs_->Get(hash_);
+    if (got) return "not lost";
+    EXPECT_EQ(got.error().kind, FaultKind::kDataLoss);
+    EXPECT_EQ(got.error().details.at(0), std::make_pair(std::string("blob"), hash_));
+    return got.error().details.at(1).second;
+  }
+  void MakeOld(const std::string& path) {
+    fs::last_write_time(path, fs::file_time_type::clock::now() - hours(3));
+  }
+
+  testing::TempDir dir_;
+  const std::string root_ = dir_ / "blobs";
+  const std::string bytes_ = std::string(100'000, 'm');
+  const std::string hash_ = *runtime::Sha256Hex(bytes_);
+  std::unique_ptr<FileBlobStore> blobs_;
+};
+
+TEST_F(BlobTest, DamageIsNamedAndPutRepairsIt) {
+  EXPECT_EQ(WhyLost(), "not lost");
+  fs::resize_file(PathOf(hash_), 99'000);
+  EXPECT_EQ(WhyLost(), "damaged");
+  EXPECT_TRUE(blobs_->Put(hash_, bytes_));
+  testing::Smash(PathOf(hash_), 50'000, "M");
+  EXPECT_EQ(WhyLost(), "damaged");
+  EXPECT_TRUE(blobs_->Put(hash_, bytes_));
+  fs::remove(PathOf(hash_));
+  EXPECT_EQ(WhyLost(), "missing");
+  EXPECT_TRUE(blobs_->Put(hash_, bytes_));
+  EXPECT_EQ(blobs_->Get(hash_), bytes_);
+}
+
+TEST_F(BlobTest, AnEmptyBlobIsABlob) {
+  const std::string hash = *runtime::Sha256Hex("");
+  EXPECT_TRUE(blobs_->Put(hash, ""));
+  EXPECT_EQ(blobs_->Get(hash), "");
+}
+
+TEST_F(BlobTest, NamesThatAreNoDigestReachNoFile) {
+  for (const std::string& name : {std::string("../../x"), std::string(), std::string(64, 'A'),
+                                  std::string(63, 'a'), "../" + std::string(61, 'a')}) {
+    EXPECT_EQ(blobs_->Put(name, "x").error().kind, FaultKind::kInternal);
+    EXPECT_EQ(blobs_->Get(name).error().kind, FaultKind::kDataLoss);
+  }
+}
+
+TEST_F(BlobTest, LinksAreNotFollowed) {
+  testing::Spill(dir_ / "other", bytes_);
+  fs::remove(PathOf(hash_));
+  fs::create_symlink(dir_ / "other", PathOf(hash_));
+  EXPECT_EQ(WhyLost(), "damaged");
+  EXPECT_TRUE(blobs_->Put(hash_, bytes_));
+  EXPECT_EQ(WhyLost(), "not lost");
+}
+
+TEST_F(BlobTest, PuttingAgainMakesYoung) {
+  MakeOld(PathOf(hash_));
+  EXPECT_TRUE(blobs_->Put(hash_, bytes_));
+  EXPECT_EQ(blobs_->Sweep({}, hours(1))->removed, 0u);
+  MakeOld(PathOf(hash_));
+  EXPECT_EQ(blobs_->Sweep({hash_}, hours(1))->removed, 0u);
+  EXPECT_EQ(blobs_->Sweep({}, hours(1))->removed, 1u);
+  EXPECT_EQ(WhyLost(), "missing");
+}
+
+TEST_F(BlobTest, TheSweepRemovesWhatWritersLeftAndNothingElse) {
+  const std::string left = root_ + "/tmp/" + hash_ + ".abcdef";
+  const std::string young = root_ + "/tmp/" + hash_ + ".ghijkl";
+  const std::vector<std::string> foreign{root_ + "/README", root_ + "/tmp/notes",
+                                         fs::path(PathOf(hash_)).parent_path() / "notes"};
+  testing::Spill(left, "half");
+  testing::Spill(young, "half");
+  for (const std::string& path : foreign) {
+    testing::Spill(path, "mine");
+    MakeOld(path);
+  }
+  MakeOld(left);
+  const auto report = blobs_->Sweep({hash_}, hours(1));
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->removed, 1u);
+  EXPECT_EQ(report->kept, 1u);
+  EXPECT_FALSE(fs::exists(left));
+  EXPECT_TRUE(fs::exists(young));
+  for (const std::string& path : foreign) EXPECT_TRUE(fs::exists(path)) << path;
+}
+
+// Whoever has put a blob finds it, whatever sweeps run: the age protects it.
+TEST_F(BlobTest, WhatWasJustPutIsNotSwept) {
+  auto other = FileBlobStore::Open(root_);  // another replica
+  ASSERT_TRUE(other);
+  std::atomic<bool> done{false};
+  std::thread sweeper([&] {
+    while (!done) EXPECT_TRUE((*other)->Sweep({}, hours(1)));
+  });
+  for (int i = 0; i < 200; ++i) {
+    std::error_code gone;  // swept while it was old
+    fs::last_write_time(PathOf(hash_), fs::file_time_type::clock::now() - hours(3), gone);
+    EXPECT_TRUE(blobs_->Put(hash_, bytes_));
+    EXPECT_EQ(blobs_->Get(hash_), bytes_) << i;
+  }
+  done = true;
+  sweeper.join();
+}
+
+}  // namespace
+}  // namespace arap::store
