@@ -407,7 +407,7 @@ TEST(BoundaryLoopsTest, TheOutlineComesFirstAndRunsWithTheTriangles) {
     for (std::size_t i = 0; i < loop.vertices.size(); ++i) {
       const auto& a = cut.mesh.vertices[loop.vertices[i]];
       const auto& b = cut.mesh.vertices[loop.vertices[(i + 1) % loop.vertices.size()]];
-      sum += (a.x() * b.y() - b.x() * a.y()) / 2;
+      sum += (a[0] * b[1] - b[0] * a[1]) / 2;
     }
     return sum;
   };
@@ -428,7 +428,7 @@ TEST(BoundaryLoopsTest, OfEquallyLongOnesTheLowestVertexLeads) {
   for (int end = 0; end < 2; ++end) {
     for (int i = 0; i < 7; ++i) {
       const double a = 2 * std::numbers::pi * (i + 0.3 * end) / 7;
-      tube.vertices.push_back({std::cos(a), std::sin(a), end});
+      tube.vertices.push_back({std::cos(a), std::sin(a), static_cast<double>(end)});
     }
   }
   for (std::uint32_t i = 0; i < 7; ++i) {
