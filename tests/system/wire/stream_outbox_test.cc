@@ -27,7 +27,7 @@ TEST(StreamOutboxTest, KeepsTheOrder) {
   StreamOutbox outbox;
   outbox.PushUpdate(Shape(1), false);
   outbox.PushUpdate(Shape(2), false);
-  outbox.PushError(3, {FaultKind::kUnknownHandle, "There is no handle.", {}, {}, {}});
+  outbox.PushError(3, {FaultKind::kUnknownHandle, "There is no handle."});
   EXPECT_EQ(Next(outbox).shape().sequence(), 1u);
   EXPECT_EQ(Next(outbox).shape().sequence(), 2u);
   EXPECT_EQ(Next(outbox).error().sequence(), 3u);
