@@ -25,8 +25,9 @@ Fault Advised(Fault fault, const char* advice) {
 // The surface on its way: the input triangles, turned as far as known, and what joins them.
 class Cutter {
  public:
-  Cutter(SurfaceMesh mesh, const CutOptions& options, const CancelToken& cancel)
-      : options_(options), cancel_(cancel), vertices_(mesh.vertices.size()) {
+  Cutter(SurfaceMesh mesh, const CutOptions& options, const MeshLimits& limits,
+         const CancelToken& cancel)
+      : options_(options), limits_(limits), cancel_(cancel), vertices_(mesh.vertices.size()) {
     result_.mesh = std::move(mesh);
   }
 
@@ -45,7 +46,7 @@ class Cutter {
   const std::vector<Triangle>& triangles() const { return result_.mesh.triangles; }
 
   Status TakeSides() {
-    if (auto ok = CheckArrays(result_.mesh, options_.limits); !ok) return ok;
+    if (auto ok = CheckArrays(result_.mesh, limits_); !ok) return ok;
     sides_ = SortedSides(vertices_, triangles());
     return CheckDuplicates(triangles(), sides_);
   }
@@ -237,6 +238,7 @@ class Cutter {
   }
 
   const CutOptions& options_;
+  const MeshLimits& limits_;
   const CancelToken& cancel_;
   std::size_t vertices_;     // of the input
   std::vector<Side> sides_;  // until the vertices are split
@@ -250,8 +252,8 @@ class Cutter {
 }  // namespace
 
 Result<CutSurface> CutToCharts(SurfaceMesh mesh, const CutOptions& options,
-                               const CancelToken& cancel) {
-  return Cutter(std::move(mesh), options, cancel).Run();
+                               const MeshLimits& limits, const CancelToken& cancel) {
+  return Cutter(std::move(mesh), options, limits, cancel).Run();
 }
 
 }  // namespace arap

@@ -33,8 +33,9 @@ struct CutSurface {
   std::vector<Warning> warnings;
 };
 
-// Stateless, thread-safe, deterministic. Triangles are oriented to agree across what is not cut,
-// and across cuts where nothing else decides; the lowest triangle of a surface keeps its side.
+// Stateless, thread-safe, deterministic. `limits` bound the input. Triangles are oriented to agree
+// across what is not cut, and across cuts where nothing else decides; the lowest triangle of a
+// surface keeps its side.
 //
 // Faults, in this order: those of CheckArrays; kDuplicateTriangle; kUnknownEdge (a seam that is no
 // edge: its two vertices, field "seams[i]"); kNonManifoldEdge; kNonManifoldVertex (all such
@@ -45,6 +46,6 @@ struct CutSurface {
 // O(#F log #F): a second for a million triangles, two to four when it has to find cuts. At its peak
 // about 170 bytes per triangle beyond the input.
 Result<CutSurface> CutToCharts(SurfaceMesh mesh, const CutOptions& options,
-                               const CancelToken& cancel = {});
+                               const MeshLimits& limits = {}, const CancelToken& cancel = {});
 
 }  // namespace arap

@@ -35,11 +35,12 @@ bool IsFaceCotangent(const EnergyOptions& energy) {
 class ChartFlattener {
  public:
   ChartFlattener(const SurfaceChart& chart, const FlattenOptions& options,
-                 const EnergyOptions& energy, const std::string& name, FactorCache& factors,
-                 const CancelToken& cancel)
+                 const EnergyOptions& energy, PinSolver solver, const std::string& name,
+                 FactorCache& factors, const CancelToken& cancel)
       : chart_(chart),
         options_(options),
         energy_(energy),
+        solver_(solver),
         name_(name),
         factors_(factors),
         cancel_(cancel),
@@ -75,8 +76,8 @@ class ChartFlattener {
         held_.vertices.push_back(pin);
       }
       pins_ = true;
-      null_space_ = options_.pin_solver == PinSolver::kNullSpace ||
-                    (options_.pin_solver == PinSolver::kAuto && wishes.pins.size() <= kDirectPins);
+      null_space_ = solver_ == PinSolver::kNullSpace ||
+                    (solver_ == PinSolver::kAuto && wishes.pins.size() <= kDirectPins);
     } else if (options_.anchors != FlattenAnchors::kSpectral) {
       const auto anchors = Anchors();
       held_ = HoldAtDistance(chart_, anchors);
@@ -164,7 +165,7 @@ class ChartFlattener {
       auto done = PinnedStep();
       if (!done) return Fail(std::move(done.error()));
       if (*done) return {};
-      if (options_.pin_solver == PinSolver::kNullSpace) {
+      if (solver_ == PinSolver::kNullSpace) {
         return Fail(FaultKind::kNumerical, "two vertices are too small a hold on this surface");
       }
       null_space_ = false;
@@ -306,6 +307,7 @@ class ChartFlattener {
   const SurfaceChart& chart_;
   const FlattenOptions& options_;
   const EnergyOptions& energy_;
+  const PinSolver solver_;
   const std::string& name_;
   FactorCache& factors_;
   const CancelToken& cancel_;
@@ -322,10 +324,10 @@ class ChartFlattener {
 }  // namespace
 
 Result<ChartLayout> FlattenChart(const SurfaceChart& chart, const FlattenOptions& options,
-                                 const EnergyOptions& energy, const ChartWishes& wishes,
-                                 const std::string& name, FactorCache& factors,
-                                 const CancelToken& cancel) {
-  return ChartFlattener(chart, options, energy, name, factors, cancel).Flatten(wishes);
+                                 const EnergyOptions& energy, PinSolver solver,
+                                 const ChartWishes& wishes, const std::string& name,
+                                 FactorCache& factors, const CancelToken& cancel) {
+  return ChartFlattener(chart, options, energy, solver, name, factors, cancel).Flatten(wishes);
 }
 
 }  // namespace arap

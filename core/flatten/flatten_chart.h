@@ -24,8 +24,8 @@ struct ChartLayout {
 // chart's factors from those of others in `factors`. Faults: kNumerical, kNotInjective, of
 // `cancel`.
 Result<ChartLayout> FlattenChart(const SurfaceChart& chart, const FlattenOptions& options,
-                                 const EnergyOptions& energy, const ChartWishes& wishes,
-                                 const std::string& name, FactorCache& factors,
-                                 const CancelToken& cancel);
+                                 const EnergyOptions& energy, PinSolver solver,
+                                 const ChartWishes& wishes, const std::string& name,
+                                 FactorCache& factors, const CancelToken& cancel);
 
 }  // namespace arap

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/base/timer.h"
+#include "core/base/try.h"
 #include "core/energy/build_cells.h"
 #include "core/flatten/distortion.h"
 #include "core/flatten/flatten_chart.h"
@@ -44,8 +45,8 @@ EnergyOptions EnergyOf(const SurfaceChart& chart, const EnergyOptions& energy) {
 // The answer while it is put together from the charts.
 class Assembly {
  public:
-  explicit Assembly(const PreparedSurface& surface) : surface_(surface) {
-    const CutSurface& cut = surface.surface();
+  explicit Assembly(const PreparedSurfaceParts& surface) : surface_(surface) {
+    const CutSurface& cut = surface.surface;
     flat_.uv.resize(cut.source.size());
     flat_.first_step.resize(cut.source.size());
     flat_.source = cut.source;
@@ -87,7 +88,7 @@ class Assembly {
       return Fail(FaultKind::kNumerical, "the distortion of the flat shape is not finite");
     }
     if (auto ok = FindOverlaps(cancel); !ok) return Fail(std::move(ok.error()));
-    const CutSurface& cut = surface_.surface();
+    const CutSurface& cut = surface_.surface;
     flat_.cuts = cut.cuts;
     flat_.auto_cuts = cut.auto_cuts;
     flat_.degenerate = cut.degenerate;
@@ -100,8 +101,8 @@ class Assembly {
   // Once more where the charts ended up: their new coordinates are rounded anew.
   Status CheckUpright() const {
     std::vector<bool> left_out(flat_.triangle_chart.size());
-    for (const std::uint32_t t : surface_.surface().degenerate) left_out[t] = true;
-    const auto flipped = NotUpright(surface_.surface().mesh.triangles, flat_.uv, left_out);
+    for (const std::uint32_t t : surface_.surface.degenerate) left_out[t] = true;
+    const auto flipped = NotUpright(surface_.surface.mesh.triangles, flat_.uv, left_out);
     if (flipped.empty()) return {};
     Fault fault = Fault(FaultKind::kNotInjective,
                         fmt::format("{} triangles collapse when the layout is put into its place",
@@ -112,7 +113,7 @@ class Assembly {
   }
 
   void Corners() {
-    const CutSurface& cut = surface_.surface();
+    const CutSurface& cut = surface_.surface;
     for (std::size_t t = 0; t < cut.mesh.triangles.size(); ++t) {
       auto corners = cut.mesh.triangles[t];
       if (cut.turned[t]) std::swap(corners[1], corners[2]);
@@ -124,7 +125,7 @@ class Assembly {
     flat_.singular_values.resize(flat_.triangle_chart.size());
     DistortionSum whole;
     for (std::size_t c = 0; c < flat_.charts.size(); ++c) {
-      const SurfaceChart& chart = surface_.charts()[c];
+      const SurfaceChart& chart = surface_.charts[c];
       DistortionSum own;
       for (std::size_t t = 0; t < chart.triangles.size(); ++t) {
         const std::uint32_t id = chart.triangles[t];
@@ -164,51 +165,50 @@ class Assembly {
     return {};
   }
 
-  const PreparedSurface& surface_;
+  const PreparedSurfaceParts& surface_;
   Flattening flat_;
   std::vector<std::uint32_t> chart_of_;  // #U
   std::size_t clamped_ = 0;
 };
 
-}  // namespace
-
-Result<Flattening> Flatten(const PreparedSurface& surface, const FlattenOptions& options,
-                           const CancelToken& cancel) {
+// Without the time that preparing took.
+Result<Flattening> FlattenPrepared(const PreparedSurfaceParts& surface,
+                                   const FlattenOptions& options, const CancelToken& cancel,
+                                   PinSolver solver) {
   Stopwatch watch;
-  if (auto ok = CheckOptions(options, surface.surface().mesh.triangles.size()); !ok) {
-    return Fail(std::move(ok.error()));
-  }
-  auto wishes = FindWishes(surface, options, cancel);
-  if (!wishes) return Fail(std::move(wishes.error()));
+  CHECK_OK(CheckOptions(options, surface.surface.mesh.triangles.size()));
+  TRY(const auto wishes, FindWishes(surface, options, cancel));
   Assembly assembly(surface);
-  for (std::size_t c = 0; c < surface.charts().size(); ++c) {
-    if (auto ok = cancel.Check(); !ok) return Fail(std::move(ok.error()));
-    const SurfaceChart& chart = surface.charts()[c];
-    const EnergyOptions energy = EnergyOf(chart, options.energy);
-    auto layout = FlattenChart(chart, options, energy, (*wishes)[c], fmt::to_string(c),
-                               surface.factors(), cancel);
-    if (!layout) return Fail(std::move(layout.error()));
-    assembly.Add(chart, *std::move(layout));
+  for (std::size_t c = 0; c < surface.charts.size(); ++c) {
+    CHECK_OK(cancel.Check());
+    const SurfaceChart& chart = surface.charts[c];
+    TRY(auto layout, FlattenChart(chart, options, EnergyOf(chart, options.energy), solver,
+                                  wishes[c], fmt::to_string(c), surface.factors, cancel));
+    assembly.Add(chart, std::move(layout));
   }
-  auto flat = assembly.Finish(*wishes, options.injective, cancel);
-  if (flat) flat->times.solve = watch.Lap() - flat->times.order - flat->times.factor;
+  TRY(auto flat, assembly.Finish(wishes, options.injective, cancel));
+  flat.times.solve = watch.Lap() - flat.times.order - flat.times.factor;
   return flat;
 }
 
+}  // namespace
+
+Result<Flattening> Flatten(const PreparedSurface& surface, const FlattenOptions& options,
+                           const CancelToken& cancel, PinSolver solver) {
+  return FlattenPrepared(surface.parts(), options, cancel, solver);
+}
+
 Result<Flattening> Flatten(SurfaceMesh mesh, const FlattenOptions& options,
-                           const CancelToken& cancel) {
-  if (auto ok = CheckOptions(options, mesh.triangles.size()); !ok) {
-    return Fail(std::move(ok.error()));
-  }
+                           const MeshLimits& limits, const CancelToken& cancel, PinSolver solver) {
+  CHECK_OK(CheckOptions(options, mesh.triangles.size()));
   Stopwatch watch;
   const std::size_t vertices = mesh.vertices.size();
-  auto surface = CutToCharts(std::move(mesh), options.cut, cancel);
-  if (!surface) return Fail(std::move(surface.error()));
+  TRY(auto surface, CutToCharts(std::move(mesh), options.cut, limits, cancel));
   // Nobody asks again: the factors go as soon as they were used.
-  const PreparedSurface prepared(*std::move(surface), vertices, 0);
+  const PreparedSurfaceParts prepared(std::move(surface), vertices, 0);
   const double topology = watch.Lap();
-  auto flat = Flatten(prepared, options, cancel);
-  if (flat) flat->times.topology = topology;
+  TRY(auto flat, FlattenPrepared(prepared, options, cancel, solver));
+  flat.times.topology = topology;
   return flat;
 }
 

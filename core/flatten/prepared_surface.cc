@@ -1,6 +1,9 @@
 #include "core/flatten/prepared_surface.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "core/base/try.h"
 
 namespace arap {
 namespace {
@@ -21,20 +24,25 @@ std::size_t BytesOf(const SurfaceMesh& mesh) {
 
 }  // namespace
 
-PreparedSurface::PreparedSurface(CutSurface surface, std::size_t input_vertices,
-                                 std::size_t kept_factors)
-    : surface_(std::move(surface)),
-      input_vertices_(input_vertices),
-      charts_(MakeCharts(surface_)),
-      factors_(std::min(kMaxKeptFactors, kept_factors * charts_.size())) {
-  // The charts have what is needed of these.
-  surface_.topology = {};
-  surface_.mesh.vertices = {};
+PreparedSurfaceParts::PreparedSurfaceParts(CutSurface cut, std::size_t vertices,
+                                           std::size_t kept_factors)
+    : surface(std::move(cut)),
+      input_vertices(vertices),
+      charts(MakeCharts(surface)),
+      factors(std::min(kMaxKeptFactors, kept_factors * charts.size())) {
+  surface.topology = {};
+  surface.mesh.vertices = {};
 }
 
+PreparedSurface::PreparedSurface(std::unique_ptr<const PreparedSurfaceParts> parts)
+    : parts_(std::move(parts)) {}
+
+PreparedSurface::~PreparedSurface() = default;
+
 std::size_t PreparedSurface::bytes() const {
-  std::size_t bytes = BytesOf(surface_.mesh) + BytesOf(surface_.source) + factors_.bytes();
-  for (const SurfaceChart& chart : charts_) {
+  std::size_t bytes =
+      BytesOf(parts_->surface.mesh) + BytesOf(parts_->surface.source) + parts_->factors.bytes();
+  for (const SurfaceChart& chart : parts_->charts) {
     bytes += sizeof(SurfaceChart) + chart.left_out.capacity() / 8;
     for (const auto& loop : chart.loops) bytes += sizeof(loop) + BytesOf(loop);
     bytes += BytesOf(chart.mesh) + BytesOf(chart.topology) + BytesOf(chart.vertices) +
@@ -43,12 +51,13 @@ std::size_t PreparedSurface::bytes() const {
   return bytes;
 }
 
-Result<std::shared_ptr<const PreparedSurface>> Prepare(SurfaceMesh mesh, const CutOptions& options,
+Result<std::shared_ptr<const PreparedSurface>> Prepare(SurfaceMesh mesh, const CutOptions& cut,
+                                                       const MeshLimits& limits,
                                                        const CancelToken& cancel) {
   const std::size_t vertices = mesh.vertices.size();
-  auto surface = CutToCharts(std::move(mesh), options, cancel);
-  if (!surface) return Fail(std::move(surface.error()));
-  return std::make_shared<const PreparedSurface>(*std::move(surface), vertices, kKeptFactors);
+  TRY(auto surface, CutToCharts(std::move(mesh), cut, limits, cancel));
+  return std::make_shared<const PreparedSurface>(
+      std::make_unique<const PreparedSurfaceParts>(std::move(surface), vertices, kKeptFactors));
 }
 
 }  // namespace arap

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "core/flatten/prepared_surface.h"
+#include "arap/core/flattener.h"
 #include "server/budget/derived_cache.h"
 
 namespace arap::app {

@@ -3,7 +3,6 @@
 #include <memory>
 #include <utility>
 
-#include "core/flatten/prepared_surface.h"
 #include "server/sessions/content_hash.h"
 #include "server/sessions/names.h"
 
@@ -11,9 +10,10 @@ namespace arap::app {
 
 Result<FlatAnswer> FlattenSurface(FlattenCache& cache, const std::string& owner,
                                   const std::string& surface_key, SurfaceMesh mesh,
-                                  const FlattenOptions& options, const CancelToken& cancel) {
+                                  const FlattenOptions& options, const MeshLimits& limits,
+                                  const CancelToken& cancel) {
   if (surface_key.empty()) {
-    auto flat = Flatten(std::move(mesh), options, cancel);
+    auto flat = Flatten(std::move(mesh), options, limits, cancel);
     if (!flat) return Fail(std::move(flat.error()));
     return FlatAnswer{*std::move(flat), false};
   }
@@ -25,7 +25,7 @@ Result<FlatAnswer> FlattenSurface(FlattenCache& cache, const std::string& owner,
   std::shared_ptr<const PreparedSurface> surface = cache.Find(owner, surface_key, *hash);
   const bool cached = surface != nullptr;
   if (!cached) {
-    auto prepared = Prepare(std::move(mesh), options.cut, cancel);
+    auto prepared = Prepare(std::move(mesh), options.cut, limits, cancel);
     if (!prepared) return Fail(std::move(prepared.error()));
     surface = *std::move(prepared);
   }

@@ -114,7 +114,7 @@ Status SetRefine(const v1::FlattenRequest& request, const Recipe& recipe, const 
                         "refine_stop", fmt::to_string(options.refine_stop)));
 }
 
-Status SetCut(const v1::FlattenRequest& request, const app::Limits& limits, CutOptions& cut) {
+Status SetCut(const v1::FlattenRequest& request, CutOptions& cut) {
   const int numbers = request.seam_edges_size();
   if (numbers % 2 != 0) {
     Fault fault = Fault(FaultKind::kArrayLength,
@@ -130,7 +130,6 @@ Status SetCut(const v1::FlattenRequest& request, const app::Limits& limits, CutO
   cut.auto_cut = request.auto_cut();
   cut.split_non_manifold = request.split_non_manifold();
   cut.tolerate_degenerate = request.tolerate_degenerate();
-  cut.limits = {limits.max_vertices, limits.max_triangles};
   return {};
 }
 
@@ -197,7 +196,7 @@ Result<FlattenOptions> FromWire(const v1::FlattenRequest& request, const app::Li
   options.injective = request.injective();
   if (auto ok = SetRefine(request, *recipe, limits, options); !ok)
     return Fail(std::move(ok.error()));
-  if (auto ok = SetCut(request, limits, options.cut); !ok) return Fail(std::move(ok.error()));
+  if (auto ok = SetCut(request, options.cut); !ok) return Fail(std::move(ok.error()));
   if (auto ok = SetPins(request, options); !ok) return Fail(std::move(ok.error()));
   if (auto ok = SetGrainLines(request, options); !ok) return Fail(std::move(ok.error()));
   return options;

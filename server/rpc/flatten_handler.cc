@@ -31,12 +31,13 @@ Status Flatten(app::Engine& engine, const v1::FlattenRequest& request, const Cal
   if (auto fits = CheckBudget(request, limits); !fits) return fits;
   auto options = FromWire(request, limits);
   if (!options) return Fail(std::move(options.error()));
-  auto mesh = FromWire(request.mesh(), {limits.max_vertices, limits.max_triangles});
+  const MeshLimits bounds{limits.max_vertices, limits.max_triangles};
+  auto mesh = FromWire(request.mesh(), bounds);
   if (!mesh) return Fail(std::move(mesh.error()));
   auto room = engine.derived.Reserve(call.caller, app::FlatteningBytes(mesh->triangles.size()));
   if (!room) return Fail(std::move(room.error()));
   auto answer = app::FlattenSurface(engine.surfaces, call.caller.owner, request.surface_key(),
-                                    *std::move(mesh), *options, call.cancel);
+                                    *std::move(mesh), *options, bounds, call.cancel);
   if (!answer) return Fail(SpelledForFlatten(std::move(answer.error())));
   Measure(answer->flat.times, working.Micros(), engine.metrics);
   if (auto good = ToWire(answer->flat, request, response); !good) return good;

@@ -5,14 +5,14 @@
 #include <string>
 
 #include "arap/base/result.h"
+#include "arap/model/flatten.h"
 #include "arap/model/mesh.h"
-#include "core/cut/cut_surface.h"
 
 namespace arap::app {
 
-// SHA-256 over a version tag, the surface as it was sent and how it is cut (the limits do not
-// count): 64 hexadecimal digits. Equal arguments give equal hashes on every machine of one byte
-// order. kInternal if the digest cannot be made.
+// SHA-256 over a version tag, the surface as it was sent and how it is cut: 64 hexadecimal digits.
+// Equal arguments give equal hashes on every machine of one byte order. kInternal if the digest
+// cannot be made.
 Result<std::string> ContentHash(const SurfaceMesh& mesh, const CutOptions& options);
 
 }  // namespace arap::app

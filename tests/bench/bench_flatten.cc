@@ -9,7 +9,6 @@
 #include <benchmark/benchmark.h>
 
 #include "arap/core/flattener.h"
-#include "core/flatten/prepared_surface.h"
 #include "tests/bench/bumpy_cap.h"
 
 namespace arap {
@@ -33,12 +32,11 @@ const std::vector<Complex>& FreeLayout() {
 }
 
 // Every other pin is soft.
-FlattenOptions Pinned(std::int64_t count, std::uint64_t seed, PinSolver solver, int refine) {
+FlattenOptions Pinned(std::int64_t count, std::uint64_t seed, int refine) {
   const std::vector<Complex>& free = FreeLayout();
   FlattenOptions options;
   options.refine = refine;
   options.refine_stop = refine > 0 ? 1e-6 : 0;
-  options.pin_solver = solver;
   std::mt19937_64 random(seed);
   std::vector<bool> taken(free.size());
   while (options.pins.size() < static_cast<std::size_t>(count)) {
@@ -54,8 +52,8 @@ void Fresh(benchmark::State& state, PinSolver solver) {
   std::uint64_t seed = 0;
   FreeLayout();
   for (auto _ : state) {
-    benchmark::DoNotOptimize(Must(
-        Flatten(Cap(), Pinned(state.range(0), ++seed, solver, static_cast<int>(state.range(1))))));
+    benchmark::DoNotOptimize(Must(Flatten(
+        Cap(), Pinned(state.range(0), ++seed, static_cast<int>(state.range(1))), {}, {}, solver)));
   }
 }
 
@@ -67,8 +65,8 @@ void Kept(benchmark::State& state, PinSolver solver) {
   Must(Flatten(*kept, first));
   std::uint64_t seed = 0;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(Must(
-        Flatten(*kept, Pinned(state.range(0), ++seed, solver, static_cast<int>(state.range(1))))));
+    benchmark::DoNotOptimize(Must(Flatten(
+        *kept, Pinned(state.range(0), ++seed, static_cast<int>(state.range(1))), {}, solver)));
   }
 }
 

@@ -22,7 +22,6 @@ FlattenOptions OptionsFrom(Bytes& bytes, const SurfaceMesh& mesh) {
   options.cut.auto_cut = (flags & 2u) != 0;
   options.cut.split_non_manifold = (flags & 4u) != 0;
   options.cut.tolerate_degenerate = (flags & 8u) != 0;
-  options.cut.limits = {200, 250};
   if ((flags & 16u) != 0) options.refine = static_cast<int>(bytes.Below(12));
   if ((flags & 32u) != 0) options.refine_stop = bytes.Number();
   const std::uint8_t counts = bytes.Byte();
@@ -58,7 +57,7 @@ void CoreFlatten(const std::uint8_t* data, std::size_t size) {
   SurfaceMesh mesh = SurfaceFrom(bytes);
   const FlattenOptions options = OptionsFrom(bytes, mesh);
   const std::size_t triangles = mesh.triangles.size();
-  const auto flat = Flatten(std::move(mesh), options);
+  const auto flat = Flatten(std::move(mesh), options, {200, 250});
   if (!flat) return CheckFault(flat.error());
   CheckFinite(flat->uv, "uv");
   CheckFinite(flat->first_step, "first_step");

@@ -21,8 +21,9 @@ Fault Wrong(FaultKind kind, const char* list, std::size_t entry, const char* mem
 
 class Finder {
  public:
-  Finder(const PreparedSurface& surface, const FlattenOptions& options, const CancelToken& cancel)
-      : surface_(surface), options_(options), cancel_(cancel), wishes_(surface.charts().size()) {}
+  Finder(const PreparedSurfaceParts& surface, const FlattenOptions& options,
+         const CancelToken& cancel)
+      : surface_(surface), options_(options), cancel_(cancel), wishes_(surface.charts.size()) {}
 
   Result<std::vector<ChartWishes>> Find() {
     if (options_.pins.empty() && options_.grain_lines.empty()) return std::move(wishes_);
@@ -49,17 +50,17 @@ class Finder {
   };
 
   Status CheckVertex(std::uint32_t vertex, const char* list, std::size_t i, const char* member) {
-    if (vertex < surface_.input_vertices()) return {};
+    if (vertex < surface_.input_vertices) return {};
     Fault fault = Wrong(FaultKind::kIndexOutOfRange, list, i, member,
                         fmt::format("{}[{}] names vertex {}; the mesh has {}", list, i, vertex,
-                                    surface_.input_vertices()));
-    fault.Element(vertex).Detail("limit", fmt::to_string(surface_.input_vertices()));
+                                    surface_.input_vertices));
+    fault.Element(vertex).Detail("limit", fmt::to_string(surface_.input_vertices));
     return Fail(std::move(fault));
   }
 
   Status CheckPins() {
     const double farthest = kMaxPinDistance * Largest();
-    std::vector<bool> pinned(surface_.input_vertices());
+    std::vector<bool> pinned(surface_.input_vertices);
     for (std::size_t i = 0; i < options_.pins.size(); ++i) {
       const UvPin& pin = options_.pins[i];
       if (auto ok = CheckVertex(pin.vertex, "pins", i, ".vertex"); !ok) return ok;
@@ -97,7 +98,7 @@ class Finder {
   // Diagonal of the largest chart.
   double Largest() const {
     double largest = 0;
-    for (const SurfaceChart& chart : surface_.charts()) {
+    for (const SurfaceChart& chart : surface_.charts) {
       largest = std::max(largest, chart.diagonal);
     }
     return largest;
@@ -105,17 +106,17 @@ class Finder {
 
   // The places of the vertices that are named, by input vertex, chart and copy.
   void FindPlaces() {
-    std::vector<bool> named(surface_.input_vertices());
+    std::vector<bool> named(surface_.input_vertices);
     for (const UvPin& pin : options_.pins) named[pin.vertex] = true;
     for (const GrainLine& line : options_.grain_lines) {
       for (const std::uint32_t v : {line.from, line.to}) {
         if (v < named.size()) named[v] = true;
       }
     }
-    const auto& charts = surface_.charts();
+    const auto& charts = surface_.charts;
     for (std::uint32_t c = 0; c < charts.size(); ++c) {
       for (std::uint32_t v = 0; v < charts[c].vertices.size(); ++v) {
-        const std::uint32_t input = surface_.surface().source[charts[c].vertices[v]];
+        const std::uint32_t input = surface_.surface.source[charts[c].vertices[v]];
         if (named[input]) places_.push_back({input, c, v});
       }
     }
@@ -168,7 +169,7 @@ class Finder {
     for (std::size_t c = 0; c < wishes_.size(); ++c) {
       const auto& pins = wishes_[c].pins;
       if (pins.size() < 2) continue;
-      const SurfaceChart& chart = surface_.charts()[c];
+      const SurfaceChart& chart = surface_.charts[c];
       bool spread = false;
       for (const HeldVertex& pin : pins) {
         spread = spread || std::abs(pin.uv - pins.front().uv) > kOnePlace * chart.diagonal;
@@ -177,7 +178,7 @@ class Finder {
       return Fail(Fault(FaultKind::kInvalidOption,
                         fmt::format("all {} pins of a chart are at one place", pins.size()))
                       .Field("pins")
-                      .Element(surface_.surface().source[chart.vertices[pins.front().vertex]]));
+                      .Element(surface_.surface.source[chart.vertices[pins.front().vertex]]));
     }
     return {};
   }
@@ -220,14 +221,14 @@ class Finder {
     const auto from = PlacesOf(line.from, chart), to = PlacesOf(line.to, chart);
     std::array<std::uint32_t, 2> best{from.front().vertex, to.front().vertex};
     if (from.size() * to.size() == 1) return best;
-    const SurfaceChart& own = surface_.charts()[chart];
+    const SurfaceChart& own = surface_.charts[chart];
     std::size_t least = std::numeric_limits<std::size_t>::max();
     for (const auto& loop : own.loops) {
       // Twice round, so that an end meets the last one of the other kind across the start as well.
       const std::size_t n = loop.size();
       std::size_t seen_from = 0, seen_to = 0;  // places, from 1
       for (std::size_t k = 1; k <= 2 * n; ++k) {
-        const std::uint32_t input = surface_.surface().source[own.vertices[loop[(k - 1) % n]]];
+        const std::uint32_t input = surface_.surface.source[own.vertices[loop[(k - 1) % n]]];
         if (input != line.from && input != line.to) continue;
         (input == line.from ? seen_from : seen_to) = k;
         if (seen_from == 0 || seen_to == 0) continue;
@@ -240,7 +241,7 @@ class Finder {
     return best;
   }
 
-  const PreparedSurface& surface_;
+  const PreparedSurfaceParts& surface_;
   const FlattenOptions& options_;
   const CancelToken& cancel_;
   std::size_t steps_ = 0;
@@ -250,7 +251,7 @@ class Finder {
 
 }  // namespace
 
-Result<std::vector<ChartWishes>> FindWishes(const PreparedSurface& surface,
+Result<std::vector<ChartWishes>> FindWishes(const PreparedSurfaceParts& surface,
                                             const FlattenOptions& options,
                                             const CancelToken& cancel) {
   return Finder(surface, options, cancel).Find();

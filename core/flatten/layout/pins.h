@@ -30,7 +30,7 @@ struct ChartWishes {
 // weight out of range, a vertex pinned twice or in no triangle, several pins at one place, a grain
 // line between charts or on charts that have one or that pins fix); fields "pins[i]…" and
 // "grain_lines[i]…"; and what `cancel` answers on the way.
-Result<std::vector<ChartWishes>> FindWishes(const PreparedSurface& surface,
+Result<std::vector<ChartWishes>> FindWishes(const PreparedSurfaceParts& surface,
                                             const FlattenOptions& options,
                                             const CancelToken& cancel = {});
 

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "arap/core/flattener.h"
-#include "core/flatten/prepared_surface.h"
 #include "core/mesh/space.h"
 #include "tests/core/property/fixture.h"
 #include "tests/support/compare.h"
@@ -473,7 +472,7 @@ TEST(FlattenOptionsTest, CancellationReachesTheLoops) {
   });
   FlattenOptions options;
   options.refine = 200;
-  ASSERT_TRUE(Flatten(cap, options, count).has_value());
+  ASSERT_TRUE(Flatten(cap, options, {}, count).has_value());
   const int total = asked;
   ASSERT_GT(total, 200);
   for (const int when : {1, total / 2, total}) {
@@ -482,7 +481,7 @@ TEST(FlattenOptionsTest, CancellationReachesTheLoops) {
       if (++asked < when) return {};
       return Fail(FaultKind::kCancelled, "enough");
     });
-    const auto flat = Flatten(cap, options, stop);
+    const auto flat = Flatten(cap, options, {}, stop);
     ASSERT_FALSE(flat.has_value());
     EXPECT_EQ(flat.error().kind, FaultKind::kCancelled);
     EXPECT_EQ(asked, when);

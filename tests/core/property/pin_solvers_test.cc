@@ -5,7 +5,6 @@
 #include <random>
 
 #include "arap/core/flattener.h"
-#include "core/flatten/prepared_surface.h"
 #include "core/mesh/space.h"
 #include "tests/core/property/fixture.h"
 #include "tests/support/compare.h"
@@ -51,11 +50,9 @@ double LargestDifference(const std::vector<Complex>& a, const std::vector<Comple
 }
 
 // Both solvers with the same pins; returns by how much they differ, as a part of the diagonal.
-double Difference(const SurfaceMesh& mesh, FlattenOptions options) {
-  options.pin_solver = PinSolver::kDirect;
-  const Flattening direct = Must(Flatten(mesh, options));
-  options.pin_solver = PinSolver::kNullSpace;
-  const Flattening shared = Must(Flatten(mesh, options));
+double Difference(const SurfaceMesh& mesh, const FlattenOptions& options) {
+  const Flattening direct = Must(Flatten(mesh, options, {}, {}, PinSolver::kDirect));
+  const Flattening shared = Must(Flatten(mesh, options, {}, {}, PinSolver::kNullSpace));
   for (const UvPin& pin : options.pins) {
     if (pin.weight == 0) {
       EXPECT_EQ(shared.uv[pin.vertex], pin.uv);
@@ -194,13 +191,10 @@ TEST(PinSolversTest, WhereTheGroundIsNoHoldPinsAreFactoredIn) {
   FlattenOptions options;
   options.energy.weights = Weights::kUniform;
   options.pins = {{3, {-1, 1}, 0}, {4, {-1.1, -1}, 0}, {6, {1.2, 1}, 0}, {7, {1, -1.1}, 5}};
-  options.pin_solver = PinSolver::kNullSpace;
-  const auto refused = Flatten(bow, options);
+  const auto refused = Flatten(bow, options, {}, {}, PinSolver::kNullSpace);
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().kind, FaultKind::kNumerical);
-  options.pin_solver = PinSolver::kDirect;
-  const Flattening direct = Must(Flatten(bow, options));
-  options.pin_solver = PinSolver::kAuto;
+  const Flattening direct = Must(Flatten(bow, options, {}, {}, PinSolver::kDirect));
   const auto kept = Must(Prepare(bow, {}));
   for (int round = 0; round < 2; ++round) {
     const Flattening flat = Must(Flatten(*kept, options));

@@ -388,10 +388,10 @@ TEST(CutTest, EveryCancellationIsHeard) {
       return Fail(FaultKind::kCancelled, "enough");
     });
   };
-  ASSERT_TRUE(CutToCharts(torus, AutoCut(), count(1 << 30)).has_value());
+  ASSERT_TRUE(CutToCharts(torus, AutoCut(), {}, count(1 << 30)).has_value());
   EXPECT_GT(asked, 8) << "inside the searches too";
   for (int limit = asked - 1; limit >= 0; --limit) {
-    const auto result = CutToCharts(torus, AutoCut(), count(limit));
+    const auto result = CutToCharts(torus, AutoCut(), {}, count(limit));
     ASSERT_FALSE(result.has_value());
     EXPECT_EQ(result.error().kind, FaultKind::kCancelled);
   }

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/flatten/prepared_surface.h"
+#include "arap/core/flattener.h"
 #include "tests/support/surfaces.h"
 
 namespace arap::testing {

@@ -101,13 +101,13 @@ struct Countdown {
 void ExpectEndsWhenever(const SurfaceMesh& mesh, const FlattenOptions& options, int at_least) {
   Countdown free{1 << 20};
   Cache room(4, 1u << 30u);
-  ASSERT_TRUE(FlattenSurface(room.surfaces, "ann", "", mesh, options, free.token));
+  ASSERT_TRUE(FlattenSurface(room.surfaces, "ann", "", mesh, options, {}, free.token));
   EXPECT_GE(free.asked, at_least) << "between the phases and in the long loops";
   for (int n = 0; n < free.asked; ++n) {
     Countdown countdown{n};
     const auto flat =
         FlattenSurface(room.surfaces, "ann", n % 2 == 0 ? "" : "key" + std::to_string(n), mesh,
-                       options, countdown.token);
+                       options, {}, countdown.token);
     ASSERT_FALSE(flat) << n;
     EXPECT_EQ(flat.error().kind, FaultKind::kCancelled) << n;
     EXPECT_EQ(countdown.asked, n + 1) << "the first no is enough";

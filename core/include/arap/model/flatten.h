@@ -33,13 +33,6 @@ struct UvPin {
   bool operator==(const UvPin&) const = default;
 };
 
-// How several pins on a chart are solved for. Both ways give the same layout.
-enum class PinSolver {
-  kAuto,       // by the number of pins; factored in too where the other way is not exact
-  kNullSpace,  // on factors that serve any pins, a back-substitution per pin; or kNumerical
-  kDirect,     // pins factored in
-};
-
 // The direction from one vertex to another of the same chart, radians from the u axis.
 struct GrainLine {
   std::uint32_t from = 0, to = 0;
@@ -67,7 +60,6 @@ struct CutOptions {
   bool split_non_manifold = false;
   // Triangles without area are let through. Not when a whole chart has none.
   bool tolerate_degenerate = false;
-  MeshLimits limits;  // of the input
 
   bool operator==(const CutOptions&) const = default;
 };
@@ -83,7 +75,6 @@ struct FlattenOptions {
   bool injective = false;  // no flipped triangle, or kNotInjective
   CutOptions cut;
   std::vector<UvPin> pins;
-  PinSolver pin_solver = PinSolver::kAuto;
   std::vector<GrainLine> grain_lines;  // at most one per chart
 
   bool operator==(const FlattenOptions&) const = default;
