@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "core/base/names.h"
 #include "server/budget/limits.h"
 
 namespace arap::app {
@@ -12,11 +13,10 @@ enum class Role {
   kAdmin,  // also lists and ends the sessions of others
 };
 
-// The owner of whoever gives no identity, where none is asked for.
-inline constexpr const char* kNobody = "anonymous";
+using arap::kNobody;
 
 struct Caller {
-  std::string owner = kNobody;  // a name (names.h)
+  std::string owner = kNobody;  // a name (core/base/names.h)
   Role role = Role::kUser;
   OwnerLimits limits;  // of this owner
 };

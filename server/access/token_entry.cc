@@ -10,7 +10,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "server/sessions/names.h"
+#include "core/base/hex.h"
+#include "core/base/names.h"
+#include "core/token/token.h"
 
 namespace arap::app {
 namespace {
@@ -131,12 +133,6 @@ Status CheckFields(const json& object, const Place& place) {
 }
 
 }  // namespace
-
-bool IsHex(std::string_view text, std::size_t digits) {
-  return text.size() == digits && std::all_of(text.begin(), text.end(), [](char c) {
-           return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
-         });
-}
 
 Result<std::map<std::string, TokenFile::Entry, std::less<>>> ParseTokenEntries(
     std::string_view text, const std::string& file, const OwnerLimits& defaults) {

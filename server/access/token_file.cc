@@ -7,34 +7,15 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <openssl/crypto.h>
 #include <sys/stat.h>
 
+#include "core/base/try.h"
+#include "core/token/sha256.h"
+#include "core/token/token.h"
 #include "server/access/token_entry.h"
-#include "server/runtime/sha256.h"
 
 namespace arap::app {
 namespace {
-
-constexpr std::string_view kPrefix = "arapd_";
-
-struct Parts {
-  std::string_view id;
-  std::string_view secret;
-};
-
-std::optional<Parts> Split(std::string_view token) {
-  constexpr std::size_t kSecretAt = kPrefix.size() + kTokenIdDigits + 1;
-  if (token.size() != kSecretAt + kTokenSecretDigits || !token.starts_with(kPrefix) ||
-      token[kSecretAt - 1] != '_') {
-    return std::nullopt;
-  }
-  const Parts parts{token.substr(kPrefix.size(), kTokenIdDigits), token.substr(kSecretAt)};
-  if (!IsHex(parts.id, kTokenIdDigits) || !IsHex(parts.secret, kTokenSecretDigits)) {
-    return std::nullopt;
-  }
-  return parts;
-}
 
 // What an unknown id is compared with.
 const TokenFile::Entry& Nobody() {
@@ -52,7 +33,7 @@ Fault Unreadable(const std::string& path, const std::string& why) {
 }  // namespace
 
 std::string_view TokenFile::IdOf(std::string_view token) {
-  const auto parts = Split(token);
+  const auto parts = SplitToken(token);
   return parts ? parts->id : std::string_view();
 }
 
@@ -84,18 +65,13 @@ Result<TokenFile> TokenFile::Read(const std::string& path, const OwnerLimits& de
 }
 
 Result<Caller> TokenFile::Check(std::string_view token, Wall now) const {
-  const auto parts = Split(token);
+  const auto parts = SplitToken(token);
   if (!parts) return Fail(FaultKind::kUnauthenticated, "The bearer token is not one of arapd's.");
   const auto found = entries_.find(parts->id);
   const bool known = found != entries_.end();
   const Entry& entry = known ? found->second : Nobody();
-  runtime::Sha256 hash;
-  hash.Bytes(entry.salt.data(), entry.salt.size());
-  hash.Bytes(parts->secret.data(), parts->secret.size());
-  const auto digest = hash.Hex();
-  if (!digest) return Fail(digest.error());
-  const bool same = digest->size() == entry.sha256.size() &&
-                    CRYPTO_memcmp(digest->data(), entry.sha256.data(), digest->size()) == 0;
+  TRY(const std::string digest, HashSecret(entry.salt, parts->secret));
+  const bool same = SameDigest(digest, entry.sha256);
   if (!known || !same) {
     return Fail(FaultKind::kUnauthenticated, "This server does not know the bearer token.");
   }

@@ -1,18 +1,5 @@
 // TokenFile: who may come with which bearer token.
-//
-// A token is the text "arapd_ID_SECRET": 32 lower-case hexadecimal digits that name an entry of the
-// file and 64 that prove it. The file is a JSON array with one object for each token:
-//
-//   {"id": "…32 digits…",
-//    "owner": "alice",                      a name, see names.h
-//    "role": "user",                        or "admin"
-//    "salt": "…32 digits…",
-//    "sha256": "…64 digits…",               of the text of the salt followed by that of the secret
-//    "expires": "2027-01-31T00:00:00Z",     optional, UTC
-//    "limits": {"max_sessions": 10, …}}     optional: any of OwnerLimits, for calls with this token
-//
-// Secrets are 256 random bits, so one round of a salted hash is as good as many. `arapctl token`
-// writes such files; the format is the contract between the two.
+// The form of tokens and of the file: core/token.
 #pragma once
 
 #include <chrono>

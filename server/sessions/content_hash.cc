@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/runtime/sha256.h"
+#include "core/token/sha256.h"
 
 namespace arap::app {
 namespace {
@@ -12,10 +12,10 @@ namespace {
 // Change it whenever the same surface would get other factors.
 constexpr std::string_view kSurfaceTag = "arap surface 1\n";
 
-void Number(runtime::Sha256& hash, std::uint64_t number) { hash.Bytes(&number, sizeof number); }
+void Number(Sha256& hash, std::uint64_t number) { hash.Bytes(&number, sizeof number); }
 
 template <class T>
-void Array(runtime::Sha256& hash, const std::vector<T>& items) {
+void Array(Sha256& hash, const std::vector<T>& items) {
   Number(hash, items.size());
   hash.Bytes(items.data(), items.size() * sizeof(T));
 }
@@ -25,7 +25,7 @@ void Array(runtime::Sha256& hash, const std::vector<T>& items) {
 Result<std::string> ContentHash(const SurfaceMesh& mesh, const CutOptions& options) {
   // What is hashed byte by byte has no bytes between its numbers.
   static_assert(sizeof(Point3) == 3 * sizeof(double));
-  runtime::Sha256 hash;
+  Sha256 hash;
   hash.Bytes(kSurfaceTag.data(), kSurfaceTag.size());
   Number(hash, options.auto_cut ? 1 : 0);
   Number(hash, options.split_non_manifold ? 1 : 0);

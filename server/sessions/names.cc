@@ -1,41 +1,8 @@
 #include "server/sessions/names.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 namespace arap::app {
-namespace {
-
-constexpr std::size_t kMaxQuoted = 64;
-
-bool IsNameCharacter(char c) {
-  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.' ||
-         c == '_' || c == '-';
-}
-
-}  // namespace
-
-bool IsName(std::string_view name) {
-  return !name.empty() && name.size() <= kMaxNameLength &&
-         std::all_of(name.begin(), name.end(), IsNameCharacter);
-}
-
-Status CheckName(std::string_view name, std::string field) {
-  if (IsName(name)) return {};
-  return Fail(Fault(FaultKind::kInvalidName,
-                    fmt::format("{} is {}, but an id is 1 to {} characters of [A-Za-z0-9._-].",
-                                field, Quote(name), kMaxNameLength))
-                  .Field(field)
-                  .Detail("length", std::to_string(name.size())));
-}
-
-std::string Quote(std::string_view text) {
-  std::string quoted = "\"";
-  for (const char c : text.substr(0, kMaxQuoted)) quoted += c >= ' ' && c <= '~' ? c : '?';
-  quoted += text.size() > kMaxQuoted ? "\"..." : "\"";
-  return quoted;
-}
 
 Fault NotFound(std::string_view what, std::string_view name) {
   Fault fault(FaultKind::kNotFound, fmt::format("There is no {} {}.", what, Quote(name)));

@@ -1,4 +1,5 @@
-// Names: the ids that clients choose for sessions, meshes, handle sets and handles.
+// Faults about what clients name on the server: sessions, meshes, handle sets, and their quotas.
+// What a name may be is in core/base/names.h.
 #pragma once
 
 #include <cstddef>
@@ -6,19 +7,9 @@
 #include <string_view>
 
 #include "arap/base/result.h"
+#include "core/base/names.h"
 
 namespace arap::app {
-
-inline constexpr std::size_t kMaxNameLength = 128;
-
-// 1 to 128 characters of [A-Za-z0-9._-].
-bool IsName(std::string_view name);
-
-// kInvalidName with the request field `field` unless IsName.
-Status CheckName(std::string_view name, std::string field);
-
-// A client's string for a message: in quotes, cut when long, unprintable bytes replaced.
-std::string Quote(std::string_view text);
 
 // kNotFound for a session, a mesh or a handle set: NotFound("mesh", "face").
 Fault NotFound(std::string_view what, std::string_view name);

@@ -3,8 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/token/sha256.h"
 #include "server/budget/estimate.h"
-#include "server/runtime/sha256.h"
 #include "server/sessions/names.h"
 #include "server/sessions/warm.h"
 #include "server/store/blobs/mesh_blob.h"
@@ -56,7 +56,7 @@ Result<Registration> RegisterMesh(Engine& engine, const Caller& caller,
     if (auto name = CheckName(mesh_id, "mesh_id"); !name) return Fail(std::move(name.error()));
   }
   const std::string bytes = store::EncodeMesh(mesh, options);
-  auto hash = runtime::Sha256Hex(bytes);
+  auto hash = Sha256Hex(bytes);
   if (!hash) return Fail(std::move(hash.error()));
   if (mesh_id.empty()) mesh_id = hash->substr(0, kDefaultIdLength);
 

@@ -1,16 +1,30 @@
 // arapctl token: the bearer tokens that a server accepts.
+#include "core/token/token.h"
+
 #include <algorithm>
+#include <cerrno>
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <limits>
+#include <map>
 #include <memory>
 #include <string>
+#include <system_error>
+#include <vector>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/connect/token_file.h"
 #include "client/cli/report.h"
+#include "core/base/names.h"
+#include "core/base/try.h"
+#include "core/files/text_file.h"
+#include "core/token/token_file.h"
 
 namespace arap::cli {
 namespace {
@@ -24,41 +38,87 @@ struct TokenFlags {
   std::string id;
 };
 
-// As the server wants names to be.
 std::string CheckOwner(const std::string& owner) {
-  constexpr const char* kCharacters =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
-  constexpr std::size_t kLongest = 128;
-  if (owner == "anonymous") return "anonymous is the name of those who give no identity";
-  if (!owner.empty() && owner.size() <= kLongest &&
-      owner.find_first_not_of(kCharacters) == std::string::npos) {
-    return {};
+  if (owner == kNobody) return "anonymous is the name of those who give no identity";
+  return IsName(owner) ? "" : "an owner is 1 to 128 characters of [A-Za-z0-9._-]";
+}
+
+// No entries for a file that is not there, unless `must_exist`.
+Result<std::vector<TokenEntry>> ReadEntries(const std::string& path, bool must_exist) {
+  if (!must_exist && access(path.c_str(), F_OK) != 0 && errno == ENOENT) {
+    return std::vector<TokenEntry>();
   }
-  return "an owner is 1 to 128 characters of [A-Za-z0-9._-]";
+  TRY(const std::string text, ReadTextFile(path));
+  return ParseTokenFile(text, path);
+}
+
+// The whole text, then onto the disk.
+bool WriteAll(int descriptor, const std::string& text) {
+  std::size_t done = 0;
+  while (done < text.size()) {
+    const ssize_t count = write(descriptor, text.data() + done, text.size() - done);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    done += static_cast<std::size_t>(count);
+  }
+  return fsync(descriptor) == 0;
+}
+
+// Gives a new file the owner, group and mode of the file at `path`, less what lets others in.
+bool CopyPermissions(const std::string& path, int descriptor) {
+  struct stat old {};
+  if (stat(path.c_str(), &old) != 0) return true;  // mkstemp made the new one 0600
+  // Without the right to give files away it stays ours.
+  if (fchown(descriptor, old.st_uid, old.st_gid) != 0 && errno != EPERM) return false;
+  constexpr mode_t kOthers = S_IRWXO | S_IWGRP | S_IXGRP | S_IXUSR;
+  return fchmod(descriptor, old.st_mode & 0777 & ~kOthers) == 0;
+}
+
+// A new file takes the place of the old one at once, so that no reader sees half of it. It has the
+// mode 0600, or, where there was one, that of the old file without what lets others in, and its
+// owner and group as far as we may set them. Two writers at a time: the last one wins.
+Status WriteEntries(const std::string& path, const std::vector<TokenEntry>& entries) {
+  const auto fault = [&path] {
+    return Fail(FaultKind::kInternal,
+                fmt::format("Cannot write {}: {}.", path, std::generic_category().message(errno)));
+  };
+  std::string fresh = path + ".XXXXXX";
+  const int descriptor = mkstemp(fresh.data());
+  if (descriptor < 0) return fault();
+  const bool written =
+      CopyPermissions(path, descriptor) && WriteAll(descriptor, FormatTokenFile(entries));
+  const bool closed = close(descriptor) == 0;
+  if (written && closed && rename(fresh.c_str(), path.c_str()) == 0) return {};
+  Status failed = fault();
+  unlink(fresh.c_str());
+  return failed;
 }
 
 Status Add(const TokenFlags& flags) {
-  auto entries = ReadTokenFile(flags.file, /*must_exist=*/false);
-  if (!entries) return Fail(entries.error());
-  auto token = MakeToken(flags.owner);
-  if (!token) return Fail(token.error());
-  token->entry.role = flags.role;
-  token->entry.limits = flags.limits;
-  if (flags.expires_days > 0) token->entry.expires = ExpiryAfter(flags.expires_days);
-  entries->push_back(token->entry);
-  if (auto written = WriteTokenFile(flags.file, *entries); !written) return written;
-  fmt::print("{}\n", token->text);
+  TRY(auto entries, ReadEntries(flags.file, /*must_exist=*/false));
+  TRY(const NewToken token, MakeToken());
+  TokenEntry& entry = entries.emplace_back();
+  entry.id = token.id;
+  entry.owner = flags.owner;
+  entry.admin = flags.role == "admin";
+  entry.salt = token.salt;
+  entry.sha256 = token.sha256;
+  entry.limits = flags.limits;
+  if (flags.expires_days > 0) {
+    entry.expires = std::chrono::system_clock::now() + std::chrono::hours(24) * flags.expires_days;
+  }
+  CHECK_OK(WriteEntries(flags.file, entries));
+  fmt::print("{}\n", token.text);
   fmt::print(stderr, "arapctl: this is the only time that the token is shown; {} has its hash\n",
              flags.file);
   return {};
 }
 
 Status List(const TokenFlags& flags) {
-  const auto entries = ReadTokenFile(flags.file, /*must_exist=*/true);
-  if (!entries) return Fail(entries.error());
-  for (const TokenEntry& entry : *entries) {
-    fmt::print("{} {} {} {}", entry.id, entry.owner, entry.role,
-               entry.expires.empty() ? "never" : entry.expires);
+  TRY(const auto entries, ReadEntries(flags.file, /*must_exist=*/true));
+  for (const TokenEntry& entry : entries) {
+    fmt::print("{} {} {} {}", entry.id, entry.owner, entry.admin ? "admin" : "user",
+               entry.expires ? FormatExpiry(*entry.expires) : "never");
     for (const auto& [name, value] : entry.limits) fmt::print(" {}={}", name, value);
     fmt::print("\n");
   }
@@ -66,17 +126,12 @@ Status List(const TokenFlags& flags) {
 }
 
 Status Revoke(const TokenFlags& flags) {
-  auto entries = ReadTokenFile(flags.file, /*must_exist=*/true);
-  if (!entries) return Fail(entries.error());
-  const auto gone = std::remove_if(entries->begin(), entries->end(), [&](const TokenEntry& entry) {
+  TRY(auto entries, ReadEntries(flags.file, /*must_exist=*/true));
+  const auto count = std::erase_if(entries, [&](const TokenEntry& entry) {
     return flags.id.empty() ? entry.owner == flags.owner : entry.id == flags.id;
   });
-  if (gone == entries->end()) {
-    return Fail(FaultKind::kNotFound, flags.file + " has no such token");
-  }
-  const auto count = entries->end() - gone;
-  entries->erase(gone, entries->end());
-  if (auto written = WriteTokenFile(flags.file, *entries); !written) return written;
+  if (count == 0) return Fail(FaultKind::kNotFound, flags.file + " has no such token.");
+  CHECK_OK(WriteEntries(flags.file, entries));
   fmt::print(stderr, "arapctl: {} revoked\n",
              count == 1 ? "1 token" : fmt::format("{} tokens", count));
   return {};
@@ -111,13 +166,12 @@ void AddToken(CLI::App& app, Run& run) {
       ->capture_default_str();
   add->add_option("--expires-days", flags->expires_days, "how long it holds (default: for ever)")
       ->check(CLI::Range(1, 36'500));
-  for (const char* limit :
-       {"max-sessions", "max-meshes", "max-handle-sets", "max-bytes", "max-streams"}) {
-    std::string field = limit;
-    std::replace(field.begin(), field.end(), '-', '_');
+  for (const std::string_view limit : kTokenLimits) {
+    const std::string field(limit);
+    std::string flag = "--" + field;
+    std::replace(flag.begin(), flag.end(), '_', '-');
     add->add_option_function<std::uint64_t>(
-           std::string("--") + limit,
-           [flags, field](std::uint64_t value) { flags->limits[field] = value; },
+           flag, [flags, field](std::uint64_t value) { flags->limits[field] = value; },
            "limit of its owner (default: the server's)")
         // Reading it as a number without sign would take -1 for a very large one.
         ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))

@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "server/runtime/sha256.h"
+#include "core/token/sha256.h"
 #include "server/store/blobs/files.h"
 #include "server/store/store_fault.h"
 
@@ -147,7 +147,7 @@ Result<std::string> FileBlobStore::Get(const std::string& hash) {
   if (error == 0) error = ReadAll(file, size, bytes);
   if (error == EINVAL || error == EIO) return Fail(LostBlob(hash, "damaged"));
   if (error != 0) return Fail(UnavailableErrno(error));
-  const auto digest = runtime::Sha256Hex(bytes);
+  const auto digest = Sha256Hex(bytes);
   if (!digest) return Fail(digest.error());
   if (*digest != hash) return Fail(LostBlob(hash, "damaged"));
   return bytes;

@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "server/runtime/sha256.h"
+#include "core/token/sha256.h"
 #include "server/store/record_format.h"
 #include "server/store/store_fault.h"
 
@@ -75,7 +75,7 @@ SessionRow ReadRow(const Query& query) {
 }
 
 Result<SessionRecord> RecordOf(const SessionRow& row) {
-  auto sum = runtime::Sha256Hex(row.text);
+  auto sum = Sha256Hex(row.text);
   if (!sum) return Fail(sum.error());
   if (*sum != row.sum) return Fail(LostRecord(row.key));
   auto record = DecodeRecord(row.text);
@@ -90,7 +90,7 @@ Result<SessionRecord> RecordOf(const SessionRow& row) {
 Result<SessionRow> RowOf(const SessionRecord& record) {
   auto text = EncodeRecord(record);
   if (!text) return Fail(text.error());
-  auto sum = runtime::Sha256Hex(*text);
+  auto sum = Sha256Hex(*text);
   if (!sum) return Fail(sum.error());
   return SessionRow{record.key, static_cast<std::int64_t>(record.revision),
                     ToMillis(record.expires), *std::move(sum), *std::move(text)};

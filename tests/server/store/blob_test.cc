@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/runtime/sha256.h"
+#include "core/token/sha256.h"
 #include "server/store/blobs/file_blobs.h"
 #include "tests/server/store/temp_dir.h"
 
@@ -43,7 +43,7 @@ class BlobTest : public ::testing::Test {
   testing::TempDir dir_;
   const std::string root_ = dir_ / "blobs";
   const std::string bytes_ = std::string(100'000, 'm');
-  const std::string hash_ = *runtime::Sha256Hex(bytes_);
+  const std::string hash_ = *Sha256Hex(bytes_);
   std::unique_ptr<FileBlobStore> blobs_;
 };
 
@@ -62,7 +62,7 @@ TEST_F(BlobTest, DamageIsNamedAndPutRepairsIt) {
 }
 
 TEST_F(BlobTest, AnEmptyBlobIsABlob) {
-  const std::string hash = *runtime::Sha256Hex("");
+  const std::string hash = *Sha256Hex("");
   EXPECT_TRUE(blobs_->Put(hash, ""));
   EXPECT_EQ(blobs_->Get(hash), "");
 }

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/runtime/sha256.h"
+#include "core/token/sha256.h"
 #include "tests/server/store/records.h"
 #include "tests/server/store/store_kind.h"
 
@@ -203,7 +203,7 @@ TEST_P(ContractTest, ReferencesAreRightWhileOthersWrite) {
 }
 
 TEST_P(ContractTest, BlobsComeBackAndAreSweptWhenNobodyNamesThem) {
-  const std::string kept = *runtime::Sha256Hex("kept"), gone = *runtime::Sha256Hex("gone");
+  const std::string kept = *Sha256Hex("kept"), gone = *Sha256Hex("gone");
   EXPECT_TRUE(blobs().Put(kept, "kept"));
   EXPECT_TRUE(blobs().Put(gone, "gone"));
   EXPECT_TRUE(blobs().Put(gone, "gone"));

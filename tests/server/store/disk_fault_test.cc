@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/runtime/sha256.h"
+#include "core/token/sha256.h"
 #include "server/store/open_store.h"
 #include "tests/server/store/disk.h"
 #include "tests/server/store/records.h"
@@ -51,7 +51,7 @@ void ExpectAll(SpecStore& specs, int count) {
 }
 
 void ExpectNoBlob(BlobStore& blobs, const std::string& bytes) {
-  const auto put = blobs.Put(*runtime::Sha256Hex(bytes), bytes);
+  const auto put = blobs.Put(*Sha256Hex(bytes), bytes);
   ASSERT_FALSE(put);
   EXPECT_EQ(put.error().kind, FaultKind::kStoreUnavailable) << put.error().message;
 }
@@ -61,7 +61,7 @@ TEST(DiskFaultTest, FullDisk) {
   if (!disk.mounted()) GTEST_SKIP() << "no rights to mount; FileSizeLimit covers what it can";
   Stores stores = OpenAt(disk.path() + "/state");
   const std::string blob(100'000, 'b');
-  const std::string hash = *runtime::Sha256Hex(blob);
+  const std::string hash = *Sha256Hex(blob);
   ASSERT_TRUE(stores.blobs->Put(hash, blob));
   disk.Fill();
   const int count = PutUntilFull(*stores.specs, 100);
@@ -71,7 +71,7 @@ TEST(DiskFaultTest, FullDisk) {
   disk.Free();
   EXPECT_EQ(stores.specs->Put(Large("s" + std::to_string(count))), true);
   ExpectAll(*stores.specs, count + 1);
-  EXPECT_TRUE(stores.blobs->Put(*runtime::Sha256Hex("c"), "c"));
+  EXPECT_TRUE(stores.blobs->Put(*Sha256Hex("c"), "c"));
 }
 
 TEST(DiskFaultTest, FilesThatMayNotGrow) {
@@ -88,7 +88,7 @@ TEST(DiskFaultTest, FilesThatMayNotGrow) {
   EXPECT_EQ(stores.specs->Put(Large("s" + std::to_string(count))), true);
   ExpectAll(*stores.specs, count + 1);
   const std::string blob(400'000, 'c');
-  EXPECT_TRUE(stores.blobs->Put(*runtime::Sha256Hex(blob), blob));
+  EXPECT_TRUE(stores.blobs->Put(*Sha256Hex(blob), blob));
 }
 
 TEST(DiskFaultTest, ReadOnlyDisk) {
@@ -113,7 +113,7 @@ TEST(DiskFaultTest, FilesThatBecomeUnchangeable) {
   Stores stores = OpenAt(dir / "state");
   const SessionRecord record = PlainRecord("ann", "s");
   ASSERT_EQ(stores.specs->Put(record), true);
-  ASSERT_TRUE(stores.blobs->Put(*runtime::Sha256Hex("b"), "b"));
+  ASSERT_TRUE(stores.blobs->Put(*Sha256Hex("b"), "b"));
   const std::string log = dir / "state/sessions.db-wal", tmp = dir / "state/blobs/tmp";
   if (!testing::SetImmutable(log, true)) {
     GTEST_SKIP() << "no rights to make files immutable; FilesThatMayNotGrow covers what it can";
@@ -124,11 +124,11 @@ TEST(DiskFaultTest, FilesThatBecomeUnchangeable) {
     EXPECT_TRUE(!put && put.error().kind == FaultKind::kStoreUnavailable);
   }
   ExpectNoBlob(*stores.blobs, "c");
-  EXPECT_EQ(stores.blobs->Get(*runtime::Sha256Hex("b")), "b");
+  EXPECT_EQ(stores.blobs->Get(*Sha256Hex("b")), "b");
   EXPECT_TRUE(testing::SetImmutable(log, false));
   EXPECT_TRUE(testing::SetImmutable(tmp, false));
   EXPECT_EQ(stores.specs->Put(Next(record)), true);
-  EXPECT_TRUE(stores.blobs->Put(*runtime::Sha256Hex("c"), "c"));
+  EXPECT_TRUE(stores.blobs->Put(*Sha256Hex("c"), "c"));
   EXPECT_EQ(Difference(**stores.specs->Load(record.key), Next(record)), "");
 }
 

@@ -8,7 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "server/runtime/sha256.h"
+#include "core/token/sha256.h"
 #include "server/store/open_store.h"
 #include "tests/server/store/records.h"
 #include "tests/server/store/temp_dir.h"
@@ -41,7 +41,7 @@ SessionRecord RecordOf(const Ack& ack) {
   record.revision = ack.revision;
   record.created = record.expires = runtime::Clock::Wall(std::chrono::hours(24 * 365 * 80));
   record.labels["revision"] = std::to_string(ack.revision);
-  record.meshes["face"].blob = *runtime::Sha256Hex(Bytes(ack));
+  record.meshes["face"].blob = *Sha256Hex(Bytes(ack));
   return record;
 }
 

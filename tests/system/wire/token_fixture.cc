@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <stdlib.h>
 
-#include "server/runtime/sha256.h"
+#include "core/token/sha256.h"
 
 namespace arap::wire {
 
@@ -17,11 +17,11 @@ TestToken::TestToken(char digit, std::string owner, std::string role)
       owner_(std::move(owner)),
       role_(std::move(role)),
       salt_("5a17" + std::string(28, digit)),
-      secret_(runtime::Sha256Hex("a secret of " + std::string(1, digit)).value()) {}
+      secret_(Sha256Hex("a secret of " + std::string(1, digit)).value()) {}
 
 std::string TestToken::Text() const { return "arapd_" + id_ + "_" + secret_; }
 
-std::string TestToken::hash() const { return runtime::Sha256Hex(salt_ + secret_).value(); }
+std::string TestToken::hash() const { return Sha256Hex(salt_ + secret_).value(); }
 
 std::string TestToken::Entry(const std::string& more) const {
   nlohmann::json entry{

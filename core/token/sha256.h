@@ -1,4 +1,4 @@
-// Sha256: the digest that names blobs and keeps tokens.
+// Sha256: the digest that keeps tokens and names stored blobs.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 #include "arap/base/result.h"
 
-namespace arap::runtime {
+namespace arap {
 
 // Not thread-safe. Takes bytes as they come.
 class Sha256 {
@@ -28,4 +28,7 @@ class Sha256 {
 
 Result<std::string> Sha256Hex(std::string_view bytes);
 
-}  // namespace arap::runtime
+// Whether two digests are equal. The time it takes says nothing about where they differ.
+bool SameDigest(std::string_view a, std::string_view b);
+
+}  // namespace arap

@@ -1,10 +1,14 @@
-#include "server/runtime/sha256.h"
+#include "core/token/sha256.h"
 
 #include <array>
+#include <span>
 
+#include <openssl/crypto.h>
 #include <openssl/evp.h>
 
-namespace arap::runtime {
+#include "core/base/hex.h"
+
+namespace arap {
 
 Sha256::Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
   good_ = context_ != nullptr && EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) == 1;
@@ -19,13 +23,7 @@ Result<std::string> Sha256::Hex() {
   unsigned int size = 0;
   good_ = good_ && EVP_DigestFinal_ex(context_.get(), digest.data(), &size) == 1;
   if (!good_) return Fail(FaultKind::kInternal, "A SHA-256 digest could not be computed.");
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string hex;
-  for (unsigned int i = 0; i < size; ++i) {
-    hex += kDigits[digest[i] >> 4u];
-    hex += kDigits[digest[i] & 15u];
-  }
-  return hex;
+  return arap::Hex(std::span(digest).first(size));
 }
 
 Result<std::string> Sha256Hex(std::string_view bytes) {
@@ -34,4 +32,8 @@ Result<std::string> Sha256Hex(std::string_view bytes) {
   return hash.Hex();
 }
 
-}  // namespace arap::runtime
+bool SameDigest(std::string_view a, std::string_view b) {
+  return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
+}
+
+}  // namespace arap

@@ -1,0 +1,182 @@
+#include "core/token/token_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <set>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/base/hex.h"
+#include "core/base/names.h"
+#include "core/base/try.h"
+#include "core/token/token.h"
+
+namespace arap {
+namespace {
+
+using Json = nlohmann::json;
+using OrderedJson = nlohmann::ordered_json;
+using Wall = std::chrono::system_clock::time_point;
+
+// Where we are in the file, for faults.
+struct Place {
+  const std::string& file;
+  std::size_t entry;
+
+  Fault Bad(const std::string& field, std::string_view what) const {
+    return Fault(FaultKind::kInvalidOption,
+                 fmt::format("Token file {}, entry {}: {} {}.", file, entry, field, what))
+        .Field(fmt::format("[{}].{}", entry, field))
+        .Detail("file", file)
+        .Detail("entry", entry);
+  }
+};
+
+// A name out of the file, for messages.
+std::string Shown(const std::string& name) { return IsName(name) ? name : Quote(name); }
+
+// The text of a field, empty when it is missing or no text.
+std::string Text(const Json& object, const char* field) {
+  const auto found = object.find(field);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+bool ParseNumber(std::string_view text, std::size_t at, std::size_t digits, int& value) {
+  const char* const end = text.data() + at + digits;
+  const auto parsed = std::from_chars(text.data() + at, end, value);
+  return parsed.ec == std::errc() && parsed.ptr == end && value >= 0;
+}
+
+std::optional<Wall> ParseExpiry(std::string_view text) {
+  namespace chrono = std::chrono;
+  constexpr std::string_view kForm = "0000-00-00T00:00:00Z";
+  if (text.size() != kForm.size()) return std::nullopt;
+  for (std::size_t i = 0; i < kForm.size(); ++i) {
+    if (kForm[i] != '0' && text[i] != kForm[i]) return std::nullopt;
+  }
+  int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0;
+  if (!ParseNumber(text, 0, 4, year) || !ParseNumber(text, 5, 2, month) ||
+      !ParseNumber(text, 8, 2, day) || !ParseNumber(text, 11, 2, hour) ||
+      !ParseNumber(text, 14, 2, minute) || !ParseNumber(text, 17, 2, second)) {
+    return std::nullopt;
+  }
+  const chrono::year_month_day date{chrono::year(year), chrono::month(static_cast<unsigned>(month)),
+                                    chrono::day(static_cast<unsigned>(day))};
+  if (!date.ok() || hour > 23 || minute > 59 || second > 59) return std::nullopt;
+  return chrono::sys_days(date) + chrono::hours(hour) + chrono::minutes(minute) +
+         chrono::seconds(second);
+}
+
+// A field that nobody knows is a slip, and a slip in "expires" or "limits" would let in too much.
+Status CheckFields(const Json& object, const Place& place) {
+  constexpr std::array<std::string_view, 7> kFields{"id",     "owner",   "role",  "salt",
+                                                    "sha256", "expires", "limits"};
+  for (const auto& [name, value] : object.items()) {
+    if (std::find(kFields.begin(), kFields.end(), name) == kFields.end()) {
+      return Fail(place.Bad(Shown(name), "is no field of a token"));
+    }
+  }
+  return {};
+}
+
+Result<std::map<std::string, std::uint64_t>> ParseLimits(const Json& object, const Place& place) {
+  if (!object.is_object()) return Fail(place.Bad("limits", "is not an object"));
+  std::map<std::string, std::uint64_t> limits;
+  for (const auto& [name, value] : object.items()) {
+    const std::string field = "limits." + Shown(name);
+    if (std::find(kTokenLimits.begin(), kTokenLimits.end(), name) == kTokenLimits.end()) {
+      return Fail(place.Bad(field, "is no limit of an owner"));
+    }
+    if (!value.is_number_unsigned()) return Fail(place.Bad(field, "is not a whole number"));
+    limits[name] = value.get<std::uint64_t>();
+  }
+  return limits;
+}
+
+Result<TokenEntry> ParseEntry(const Json& object, const Place& place) {
+  if (!object.is_object()) return Fail(place.Bad("it", "is not an object"));
+  CHECK_OK(CheckFields(object, place));
+  TokenEntry entry;
+  entry.id = Text(object, "id");
+  if (!IsHex(entry.id, kTokenIdDigits)) {
+    return Fail(place.Bad("id", "is not 32 lower-case hexadecimal digits"));
+  }
+  entry.owner = Text(object, "owner");
+  if (!IsName(entry.owner)) {
+    return Fail(place.Bad("owner", "is not a name: 1 to 128 characters of [A-Za-z0-9._-]"));
+  }
+  if (entry.owner == kNobody) {
+    return Fail(place.Bad("owner", "is the name of those who give no identity"));
+  }
+  const std::string role = Text(object, "role");
+  if (role != "user" && role != "admin") {
+    return Fail(place.Bad("role", "is neither \"user\" nor \"admin\""));
+  }
+  entry.admin = role == "admin";
+  entry.salt = Text(object, "salt");
+  if (!IsHex(entry.salt, kTokenSaltDigits)) {
+    return Fail(place.Bad("salt", "is not 32 lower-case hexadecimal digits"));
+  }
+  entry.sha256 = Text(object, "sha256");
+  if (!IsHex(entry.sha256, kTokenSecretDigits)) {
+    return Fail(place.Bad("sha256", "is not 64 lower-case hexadecimal digits"));
+  }
+  if (object.contains("expires")) {
+    entry.expires = ParseExpiry(Text(object, "expires"));
+    if (!entry.expires) {
+      return Fail(place.Bad("expires", "is not a time such as \"2027-01-31T00:00:00Z\""));
+    }
+  }
+  if (object.contains("limits")) {
+    TRY(entry.limits, ParseLimits(object["limits"], place));
+  }
+  return entry;
+}
+
+OrderedJson ToJson(const TokenEntry& entry) {
+  OrderedJson json{{"id", entry.id},
+                   {"owner", entry.owner},
+                   {"role", entry.admin ? "admin" : "user"},
+                   {"salt", entry.salt},
+                   {"sha256", entry.sha256}};
+  if (entry.expires) json["expires"] = FormatExpiry(*entry.expires);
+  if (!entry.limits.empty()) json["limits"] = entry.limits;
+  return json;
+}
+
+}  // namespace
+
+Result<std::vector<TokenEntry>> ParseTokenFile(std::string_view text, const std::string& name) {
+  const Json array = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!array.is_array()) {
+    return Fail(
+        Fault(FaultKind::kInvalidOption, fmt::format("Token file {} is not a JSON array.", name))
+            .Detail("file", name));
+  }
+  std::vector<TokenEntry> entries;
+  std::set<std::string> ids;
+  for (std::size_t i = 0; i < array.size(); ++i) {
+    const Place place{name, i};
+    TRY(TokenEntry entry, ParseEntry(array[i], place));
+    if (!ids.insert(entry.id).second) {
+      return Fail(place.Bad("id", "is that of an entry before it"));
+    }
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+std::string FormatTokenFile(std::span<const TokenEntry> entries) {
+  OrderedJson json = OrderedJson::array();
+  for (const TokenEntry& entry : entries) json.push_back(ToJson(entry));
+  return json.dump(2) + "\n";
+}
+
+std::string FormatExpiry(Wall time) {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
+                     fmt::gmtime(std::chrono::system_clock::to_time_t(time)));
+}
+
+}  // namespace arap

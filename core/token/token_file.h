@@ -1,0 +1,53 @@
+// The server's token file: `arapctl token` writes it, arapd reads it. It is a JSON array with one
+// object for each token (token.h):
+//
+//   {"id": "…32 digits…",
+//    "owner": "alice",                      a name (core/base/names.h), but not "anonymous"
+//    "role": "user",                        or "admin"
+//    "salt": "…32 digits…",
+//    "sha256": "…64 digits…",               see HashSecret
+//    "expires": "2027-01-31T00:00:00Z",     optional, UTC
+//    "limits": {"max_sessions": 10, …}}     optional: any of kTokenLimits
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "arap/base/result.h"
+
+namespace arap {
+
+// What a token may limit.
+inline constexpr std::array<std::string_view, 5> kTokenLimits{
+    "max_sessions", "max_meshes", "max_handle_sets", "max_bytes", "max_streams"};
+
+struct TokenEntry {
+  std::string id;
+  std::string owner;
+  bool admin = false;
+  std::string salt;
+  std::string sha256;
+  std::optional<std::chrono::system_clock::time_point> expires;  // in whole seconds
+  // Of the owner for calls with this token, by name; what is missing is the server's.
+  std::map<std::string, std::uint64_t> limits;
+};
+
+// The entries of a file's text; `name` is the file's, for messages. kInvalidOption with the file,
+// the entry (counted from 0) and the field. Nothing of a salt or a hash is ever in a message. Two
+// entries may have one owner, but not one id.
+Result<std::vector<TokenEntry>> ParseTokenFile(std::string_view text, const std::string& name);
+
+// The text that ParseTokenFile reads back.
+std::string FormatTokenFile(std::span<const TokenEntry> entries);
+
+// "2027-01-31T00:00:00Z".
+std::string FormatExpiry(std::chrono::system_clock::time_point time);
+
+}  // namespace arap

@@ -1,0 +1,106 @@
+// Tokens, digests and names: what the server and arapctl must understand alike. That a damaged file
+// is refused, field by field, is in tests/server/access/tokens_test.cc.
+#include "core/token/token.h"
+
+#include <regex>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/hex.h"
+#include "core/base/names.h"
+#include "core/token/sha256.h"
+#include "core/token/token_file.h"
+
+namespace arap {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(Sha256, GivesTheDigestsOfTheStandard) {
+  EXPECT_EQ(Sha256Hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(Sha256Hex(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_TRUE(SameDigest("ab", "ab"));
+  EXPECT_FALSE(SameDigest("ab", "ac"));
+  EXPECT_FALSE(SameDigest("ab", "abc"));
+}
+
+TEST(HexDigits, AreLowerCaseAndCounted) {
+  const std::vector<unsigned char> bytes{0x00, 0x9f, 0xe1};
+  EXPECT_EQ(Hex(bytes), "009fe1");
+  EXPECT_TRUE(IsHex("009fe1", 6));
+  EXPECT_FALSE(IsHex("009fe1", 5));
+  EXPECT_FALSE(IsHex("009fE1", 6));
+  EXPECT_TRUE(IsHex("", 0));
+}
+
+TEST(Names, HaveOneRule) {
+  EXPECT_TRUE(IsName("Az09._-"));
+  EXPECT_TRUE(IsName(std::string(kMaxNameLength, 'x')));
+  for (const std::string& bad : {std::string(), std::string("a/b"), std::string("a b"),
+                                 std::string("é"), std::string(kMaxNameLength + 1, 'x')}) {
+    EXPECT_FALSE(IsName(bad)) << bad;
+    const Status checked = CheckName(bad, "id");
+    ASSERT_FALSE(checked) << bad;
+    EXPECT_EQ(checked.error().kind, FaultKind::kInvalidName);
+    EXPECT_EQ(checked.error().field, "id");
+  }
+}
+
+TEST(Token, IsMadeOfAnIdAndASecretThatItsEntryProves) {
+  const auto token = MakeToken();
+  ASSERT_TRUE(token) << token.error().message;
+  EXPECT_TRUE(std::regex_match(token->text, std::regex("arapd_[0-9a-f]{32}_[0-9a-f]{64}")));
+  const auto parts = SplitToken(token->text);
+  ASSERT_TRUE(parts);
+  EXPECT_EQ(parts->id, token->id);
+  EXPECT_EQ(HashSecret(token->salt, parts->secret), token->sha256);
+  EXPECT_EQ(HashSecret(token->salt, parts->secret),
+            Sha256Hex(token->salt + std::string(parts->secret)));
+  EXPECT_NE(MakeToken()->text, token->text);
+}
+
+TEST(TokenFile, IsReadAsItWasWritten) {
+  const auto user = MakeToken(), admin = MakeToken();
+  ASSERT_TRUE(user && admin);
+  std::vector<TokenEntry> entries(2);
+  entries[0] = {user->id, "alice", false, user->salt, user->sha256, {}, {}};
+  entries[1] = {admin->id, "root", true, admin->salt, admin->sha256, {}, {}};
+  entries[1].expires = std::chrono::sys_days(std::chrono::year(2027) / 1 / 31) +
+                       std::chrono::hours(13) + std::chrono::seconds(7);
+  entries[1].limits = {{"max_sessions", 3}, {"max_bytes", 1'000'000'000'000}};
+  const std::string text = FormatTokenFile(entries);
+  EXPECT_THAT(text, HasSubstr(R"("expires": "2027-01-31T13:00:07Z")"));
+  EXPECT_THAT(text, Not(HasSubstr(user->text.substr(user->text.rfind('_') + 1))));
+  const auto read = ParseTokenFile(text, "tokens.json");
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->size(), 2u);
+  EXPECT_EQ((*read)[0].owner, "alice");
+  EXPECT_FALSE((*read)[0].admin);
+  EXPECT_FALSE((*read)[0].expires);
+  EXPECT_TRUE((*read)[1].admin);
+  EXPECT_EQ((*read)[1].expires, entries[1].expires);
+  EXPECT_EQ((*read)[1].limits, entries[1].limits);
+  EXPECT_EQ(FormatTokenFile(*read), text);
+  EXPECT_EQ(FormatTokenFile({}), "[]\n");
+}
+
+TEST(TokenFile, FaultsNameTheEntryAndTheField) {
+  const auto token = MakeToken();
+  ASSERT_TRUE(token);
+  const TokenEntry entry{token->id, "alice", false, token->salt, token->sha256, {}, {}};
+  const auto twice = ParseTokenFile(FormatTokenFile(std::vector{entry, entry}), "tokens.json");
+  ASSERT_FALSE(twice);
+  EXPECT_EQ(twice.error().kind, FaultKind::kInvalidOption);
+  EXPECT_EQ(twice.error().field, "[1].id");
+  EXPECT_THAT(twice.error().message, HasSubstr("tokens.json, entry 1"));
+  for (const char* bad : {"", "{}", "[1]", R"([{"id": "a", "note": "x"}])"}) {
+    EXPECT_FALSE(ParseTokenFile(bad, "tokens.json")) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace arap
