@@ -14,7 +14,7 @@
 #include "server/runtime/worker_pool.h"
 #include "server/sessions/session_registry.h"
 #include "server/store/open_store.h"
-#include "server/streams/load_guard.h"
+#include "server/streams/admission.h"
 #include "server/streams/open_streams.h"
 
 namespace arap::app {

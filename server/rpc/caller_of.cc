@@ -1,5 +1,6 @@
 #include "server/rpc/caller_of.h"
 
+#include <chrono>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -63,7 +64,7 @@ Result<app::Caller> CallerOf(const grpc::CallbackServerContext& context, const I
     return identity.tokens->Check(**token);
   }
   if (auto name = CommonNameOf(context)) {
-    if (!app::IsName(*name) || *name == app::kNobody) {
+    if (!IsName(*name) || *name == app::kNobody) {
       return Refused("The common name of the client certificate is not a name of an owner.");
     }
     return app::Caller{*std::move(name), app::Role::kUser, identity.limits};
@@ -81,6 +82,18 @@ app::TokenWatch WatchCaller(const grpc::CallbackServerContext& context, const Id
   const auto token = TokenOf(context);
   if (!identity.tokens || !token || !*token) return {};
   return identity.tokens->Watch(app::TokenFile::IdOf(**token), caller.owner, std::move(lost));
+}
+
+// "No deadline" reaches a server as one centuries off.
+CancelToken CancelTokenOf(const grpc::CallbackServerContext* context) {
+  return CancelToken([context]() -> Status {
+    // The deadline first: when it passes, the call counts as cancelled too.
+    if (std::chrono::system_clock::now() >= context->deadline()) {
+      return Fail(FaultKind::kDeadlineExceeded, "The deadline has passed.");
+    }
+    if (context->IsCancelled()) return Fail(FaultKind::kCancelled, "The caller has cancelled.");
+    return {};
+  });
 }
 
 }  // namespace arap::rpc

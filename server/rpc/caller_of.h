@@ -1,10 +1,12 @@
-// Who is behind a call: a bearer token, else a client certificate, else nobody.
+// What gRPC knows of a call: who is behind it (a bearer token, else a client certificate, else
+// nobody), and whether the answer is still wanted.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <string>
 
+#include "arap/base/cancel.h"
 #include "arap/base/result.h"
 #include "server/access/caller.h"
 #include "server/access/tokens.h"
@@ -34,5 +36,8 @@ Result<app::Caller> CallerOf(const grpc::CallbackServerContext& context, const I
 // token.
 app::TokenWatch WatchCaller(const grpc::CallbackServerContext& context, const Identity& identity,
                             const app::Caller& caller, std::function<void(Fault)> lost);
+
+// The caller's cancellation and deadline. `context` outlives every check of the token.
+CancelToken CancelTokenOf(const grpc::CallbackServerContext* context);
 
 }  // namespace arap::rpc

@@ -109,7 +109,7 @@ Status FromWire(const v1::Handle& handle, const std::string& path, Handle& out) 
   out.area_radius = handle.area_radius();
   out.depth = handle.depth();
   out.depth_falloff = handle.depth_falloff();
-  return app::CheckName(out.id, path + ".handle_id")
+  return CheckName(out.id, path + ".handle_id")
       .and_then([&] { return SetAnchor(handle, path, out); })
       .and_then([&] { return SetOutside(handle.outside(), path, out); })
       .and_then([&] {

@@ -15,7 +15,7 @@ namespace {
 // Ids come from outside: only well-formed ones enter the log.
 std::string Printable(const std::string& id) {
   if (id.empty()) return "-";
-  return app::IsName(id) ? id : "?";
+  return IsName(id) ? id : "?";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The services of the wire, each RPC on its lane.
+// The services of the wire. Each has a file of its name with its methods and their handlers.
 #pragma once
 
 #include <memory>
@@ -14,6 +14,7 @@ struct Engine;
 
 namespace arap::rpc {
 
+struct Backend;
 struct Identity;
 
 struct NamedService {
@@ -21,8 +22,12 @@ struct NamedService {
   std::unique_ptr<grpc::Service> service;
 };
 
-// `engine` and `identity` outlive the services, and they outlive the server that they are
-// registered with.
+// All of them. `engine` and `identity` outlive the services, and they outlive the server that they
+// are registered with.
 std::vector<NamedService> MakeServices(app::Engine& engine, const Identity& identity);
+
+NamedService MakeDeformationService(const Backend& backend);  // deformation_service.cc
+NamedService MakeFlatteningService(const Backend& backend);   // flattening_service.cc
+NamedService MakeServerService(const Backend& backend);       // server_service.cc
 
 }  // namespace arap::rpc

@@ -1,36 +1,137 @@
 #include "server/streams/live_set.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
 #include <utility>
+#include <variant>
 
+#include "core/base/try.h"
+#include "core/mesh/locate.h"
+#include "server/runtime/metrics.h"
+#include "server/runtime/stopwatch.h"
 #include "server/sessions/handle_sets.h"
-#include "server/streams/pose.h"
+#include "server/streams/targets.h"
 
 namespace arap::app {
+namespace {
 
-LiveSet::LiveSet(HandleSetEntry entry)
-    : entry_(std::move(entry)),
-      targets_(entry_.handles->RestTargets()),
-      deformer_(entry_.handles) {}
+using Corners = std::array<Complex, 3>;
 
-Result<LiveSet> LiveSet::Edited(const std::vector<std::string>& remove,
-                                const std::vector<Handle>& add, const DeformOptions& options,
-                                const Limits& limits, const CancelToken& cancel,
-                                ShapeQuality& quality) const {
-  auto entry = EditEntry(entry_, remove, add, limits, cancel);
-  if (!entry) return Fail(std::move(entry.error()));
-  LiveSet edited(*std::move(entry));
+Corners CornersOf(std::span<const Complex> points, const Triangle& triangle) {
+  return {points[triangle[0]], points[triangle[1]], points[triangle[2]]};
+}
 
-  const std::vector<PlacedHandle>& placed = edited.handles().handles();
-  const std::size_t kept = placed.size() - add.size();
-  for (std::size_t i = 0; i < placed.size(); ++i) {
-    const auto before = i < kept ? handles().Find(placed[i].handle.id) : std::nullopt;
-    edited.targets_[i] = before
-                             ? targets_[*before]
-                             : PoseOf(handles().mesh()->mesh(), placed[i], deformer_.positions());
+// The first triangle that has the vertex; none for an unreferenced one.
+std::optional<std::size_t> TriangleAt(const PlanarMesh& mesh, std::uint32_t vertex) {
+  const auto found = std::find_if(
+      mesh.triangles.begin(), mesh.triangles.end(),
+      [&](const Triangle& t) { return std::find(t.begin(), t.end(), vertex) != t.end(); });
+  if (found == mesh.triangles.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - mesh.triangles.begin());
+}
+
+// The triangle that the core finds for the point; the wider tolerance is for points on the
+// boundary.
+std::optional<std::size_t> TriangleAt(const PlanarMesh& mesh, Complex point) {
+  for (const double tolerance : {1e-9, 1e-4}) {
+    if (const auto found = Locate(mesh.vertices, mesh.triangles, point, tolerance)) {
+      return found->triangle;
+    }
   }
-  auto updated = edited.deformer_.Update(edited.targets_, options);
-  if (!updated) return Fail(std::move(updated.error()));
-  quality = *updated;
+  return std::nullopt;
+}
+
+std::optional<std::size_t> TriangleOf(const PlanarMesh& mesh, const PlacedHandle& handle) {
+  if (const auto* vertex = std::get_if<VertexAnchor>(&handle.handle.anchor)) {
+    return TriangleAt(mesh, vertex->vertex);
+  }
+  if (const auto* triangle = std::get_if<TriangleAnchor>(&handle.handle.anchor)) {
+    return triangle->triangle;
+  }
+  return TriangleAt(mesh, handle.rest);
+}
+
+// The a of the similarity z → a z + b that maps `rest` to `now` best.
+Complex Similarity(const Corners& rest, const Corners& now) {
+  const Complex rest_middle = (rest[0] + rest[1] + rest[2]) / 3.0;
+  const Complex now_middle = (now[0] + now[1] + now[2]) / 3.0;
+  Complex product = 0;
+  double norm = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    product += std::conj(rest[i] - rest_middle) * (now[i] - now_middle);
+    norm += std::norm(rest[i] - rest_middle);
+  }
+  return product / norm;
+}
+
+}  // namespace
+
+Target PoseOf(const PlanarMesh& mesh, const PlacedHandle& handle,
+              std::span<const Complex> positions) {
+  const auto triangle = TriangleOf(mesh, handle);
+  if (!triangle) return {handle.rest, 0, 1};
+  const Corners rest = CornersOf(mesh.vertices, mesh.triangles[*triangle]);
+  const Corners now = CornersOf(positions, mesh.triangles[*triangle]);
+
+  Target pose;
+  if (const auto* vertex = std::get_if<VertexAnchor>(&handle.handle.anchor)) {
+    pose.position = positions[vertex->vertex];
+  } else {
+    const auto weights = Barycentric(rest, handle.rest);
+    pose.position = weights[0] * now[0] + weights[1] * now[1] + weights[2] * now[2];
+  }
+  const Complex similarity = Similarity(rest, now);
+  const double scale = std::abs(similarity);
+  if (scale > 0 && scale <= kMaxTargetScale) {
+    pose.angle = std::arg(similarity);
+    pose.scale = scale;
+  }
+  return pose;
+}
+
+LiveSet::LiveSet(HandleSetEntry entry, std::size_t lanes)
+    : entry_(std::move(entry)), deformer_(entry_.handles, lanes) {}
+
+Result<ShapeQuality> LiveSet::Move(std::span<const Target> targets, const DeformOptions& options,
+                                   runtime::Metrics& metrics) {
+  const runtime::Stopwatch working;
+  TRY(const auto quality, deformer_.Update(targets, options));
+  metrics.Phase(runtime::Phase::kFrame, working.Micros() * 1e-6);
+  return quality;
+}
+
+Status LiveSet::MoveMany(std::span<const std::span<const Target>> targets,
+                         const DeformOptions& options, std::span<ShapeQuality> qualities,
+                         runtime::Metrics& metrics) {
+  const runtime::Stopwatch working;
+  CHECK_OK(deformer_.UpdateMany(targets, options, qualities));
+  const double each = working.Micros() * 1e-6 / static_cast<double>(targets.size());
+  for (std::size_t i = 0; i < targets.size(); ++i) metrics.Phase(runtime::Phase::kTrack, each);
+  return {};
+}
+
+Result<EditedSet> LiveSet::Edited(const std::vector<std::string>& remove,
+                                  const std::vector<Handle>& add, std::span<const Target> targets,
+                                  const DeformOptions& options, const Limits& limits,
+                                  const CancelToken& cancel, runtime::Metrics& metrics) const {
+  const runtime::Stopwatch working;
+  TRY(auto entry, EditEntry(entry_, remove, add, limits, cancel));
+  EditedSet edited{LiveSet(std::move(entry)), {}, {}};
+
+  const CompiledHandles& before = *entry_.handles;
+  const std::vector<PlacedHandle>& placed = edited.set.entry().handles->handles();
+  const std::size_t kept = placed.size() - add.size();
+  edited.targets.reserve(placed.size());
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    const auto same = i < kept ? before.Find(placed[i].handle.id) : std::nullopt;
+    edited.targets.push_back(
+        same ? targets[*same] : PoseOf(before.mesh()->mesh(), placed[i], deformer_.positions()));
+  }
+  TRY(edited.quality, edited.set.deformer_.Update(edited.targets, options));
+  metrics.Phase(runtime::Phase::kEdit, working.Micros() * 1e-6);
   return edited;
 }
 

@@ -1,6 +1,8 @@
-// LiveSet: the handle set of one stream with its targets and its shape.
+// LiveSet: a handle set with its shape, as a stream or a single call moves it.
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,31 +12,56 @@
 #include "server/budget/limits.h"
 #include "server/sessions/entries.h"
 
+namespace arap::runtime {
+class Metrics;
+}
+
 namespace arap::app {
 
-// Not thread-safe. Starts from a copy of what the session holds; edits change this set only, so
-// that one stream's pins never move another stream's shape.
+struct EditedSet;
+
+// Not thread-safe. Starts from what the session holds; edits make another set and leave the
+// session's as it is, so that one stream's pins never move another stream's shape.
 class LiveSet {
  public:
-  explicit LiveSet(HandleSetEntry entry);
+  // At rest until it is moved. With `lanes` it holds as many shapes, see Deformer.
+  explicit LiveSet(HandleSetEntry entry, std::size_t lanes = 1);
 
   const HandleSetEntry& entry() const { return entry_; }
-  const CompiledHandles& handles() const { return *entry_.handles; }
-  Deformer& deformer() { return deformer_; }
-  // The last target of each handle, at first where it rests.
-  std::vector<Target>& targets() { return targets_; }
+  const Deformer& deformer() const { return deformer_; }
 
-  // The set after an edit, its shape computed and its quality in `quality`. Handles that stay keep
-  // their targets; an added one starts where the current shape has it. This set is not changed.
-  // Faults: those of EditEntry and of Deformer::Update.
-  Result<LiveSet> Edited(const std::vector<std::string>& remove, const std::vector<Handle>& add,
-                         const DeformOptions& options, const Limits& limits,
-                         const CancelToken& cancel, ShapeQuality& quality) const;
+  // Computes the shape for one target per handle. Faults: those of Deformer::Update.
+  Result<ShapeQuality> Move(std::span<const Target> targets, const DeformOptions& options,
+                            runtime::Metrics& metrics);
+
+  // The same for several shapes at once, one per lane at most: frames of a track.
+  Status MoveMany(std::span<const std::span<const Target>> targets, const DeformOptions& options,
+                  std::span<ShapeQuality> qualities, runtime::Metrics& metrics);
+
+  // The set after an edit, its shape computed. `targets` are the last ones of this set: handles
+  // that stay keep theirs, an added one starts where the current shape has it. This set is not
+  // changed. Faults: those of EditEntry and of Deformer::Update.
+  Result<EditedSet> Edited(const std::vector<std::string>& remove, const std::vector<Handle>& add,
+                           std::span<const Target> targets, const DeformOptions& options,
+                           const Limits& limits, const CancelToken& cancel,
+                           runtime::Metrics& metrics) const;
 
  private:
   HandleSetEntry entry_;
-  std::vector<Target> targets_;
   Deformer deformer_;
 };
+
+struct EditedSet {
+  LiveSet set;
+  std::vector<Target> targets;  // one per handle of the set
+  ShapeQuality quality;
+};
+
+// The target that leaves the shape as it is: the handle's rest point carried along by `positions`
+// (#V), and the rotation and scale of its triangle. Where triangles overlap at rest, the handle's
+// own anchor decides, for anchors by point the lowest index. O(#F) for anchors by vertex and by
+// point.
+Target PoseOf(const PlanarMesh& mesh, const PlacedHandle& handle,
+              std::span<const Complex> positions);
 
 }  // namespace arap::app

@@ -9,64 +9,64 @@ namespace {
 
 // The session is in the store: the same open works on whichever server takes the next connection.
 Fault Draining() {
-  Fault fault(FaultKind::kDraining, "The server is shutting down; open again elsewhere.");
-  return fault.Detail("resume", "open_again");
+  return Fault(FaultKind::kDraining, "The server is shutting down; open again elsewhere.")
+      .Detail("resume", "open_again");
 }
 
 }  // namespace
 
-Status OpenStreams::Add(const std::shared_ptr<OpenStream>& stream, const Caller& caller) {
-  const std::lock_guard lock(mutex_);
+Status OpenStreams::Add(const std::shared_ptr<LongCall>& call, const Caller& caller) {
+  const MutexLock lock(&mutex_);
   if (draining_) return Fail(Draining());
-  if (streams_.size() >= limit_) return Fail(QuotaFull("max_streams", limit_));
+  if (calls_.size() >= limit_) return Fail(QuotaFull("max_streams", limit_));
   const auto owned = by_owner_.find(caller.owner);
   if (owned != by_owner_.end() && owned->second >= caller.limits.max_streams) {
     return Fail(QuotaFull("max_streams_per_owner", caller.limits.max_streams));
   }
-  streams_.emplace(stream.get(), Entry{stream, caller.owner});
+  calls_.emplace(call.get(), Entry{call, caller.owner});
   ++by_owner_[caller.owner];
   return {};
 }
 
-void OpenStreams::Remove(const OpenStream* stream) {
-  const std::lock_guard lock(mutex_);
-  const auto found = streams_.find(stream);
-  if (found == streams_.end()) return;
+void OpenStreams::Remove(const LongCall* call) {
+  const MutexLock lock(&mutex_);
+  const auto found = calls_.find(call);
+  if (found == calls_.end()) return;
   const auto owned = by_owner_.find(found->second.owner);
   if (--owned->second == 0) by_owner_.erase(owned);
-  streams_.erase(found);
+  calls_.erase(found);
 }
 
-std::vector<std::shared_ptr<OpenStream>> OpenStreams::AliveLocked() const {
-  std::vector<std::shared_ptr<OpenStream>> open;
-  for (const auto& [key, entry] : streams_) {
-    if (auto alive = entry.stream.lock()) open.push_back(std::move(alive));
+OpenStreams::Alive OpenStreams::AliveOnes() const {
+  Alive open;
+  for (const auto& [key, entry] : calls_) {
+    if (auto alive = entry.call.lock()) open.push_back(std::move(alive));
   }
   return open;
 }
 
 void OpenStreams::Drain() {
-  std::vector<std::shared_ptr<OpenStream>> open;
+  Alive open;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
     draining_ = true;
-    open = AliveLocked();
+    open = AliveOnes();
   }
-  for (const auto& stream : open) stream->End(Draining());
+  for (const auto& call : open) call->End(Draining());
 }
 
 void OpenStreams::Sweep(runtime::Clock::Steady now) {
-  std::vector<std::shared_ptr<OpenStream>> open;
+  Alive open;
   {
-    const std::lock_guard lock(mutex_);
-    open = AliveLocked();
+    const MutexLock lock(&mutex_);
+    open = AliveOnes();
   }
-  for (const auto& stream : open) stream->Sweep(now);
+  for (const auto& call : open) call->Sweep(now);
 }
 
 std::size_t OpenStreams::count() const {
-  const std::lock_guard lock(mutex_);
-  return streams_.size();
+  const MutexLock lock(&mutex_);
+  return calls_.size();
 }
 
 }  // namespace arap::app

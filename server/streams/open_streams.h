@@ -1,23 +1,23 @@
-// OpenStreams: counts the streams of the server and tells them when it goes away.
+// OpenStreams: counts the streams and tracks of the server and tells them when it goes away.
 #pragma once
 
 #include <cstddef>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "arap/base/result.h"
+#include "core/base/mutex.h"
 #include "server/access/caller.h"
 #include "server/runtime/clock.h"
 
 namespace arap::app {
 
-// A stream that can be asked to end.
-class OpenStream {
+// A call that lasts, a stream or a track, and can be asked to end.
+class LongCall {
  public:
-  virtual ~OpenStream() = default;
+  virtual ~LongCall() = default;
   // Finishes the frame in work, then ends with `reason`. Returns at once. Only the first call
   // counts.
   virtual void End(Fault reason) = 0;
@@ -32,9 +32,9 @@ class OpenStreams {
 
   // kLimitExceeded when `limit` streams or max_streams of the caller's owner are open, kDraining
   // after Drain.
-  Status Add(const std::shared_ptr<OpenStream>& stream, const Caller& caller);
-  // Harmless for a stream that was refused.
-  void Remove(const OpenStream* stream);
+  Status Add(const std::shared_ptr<LongCall>& call, const Caller& caller);
+  // Harmless for a call that was refused.
+  void Remove(const LongCall* call);
   // Ends all streams with kDraining and refuses new ones.
   void Drain();
   // Sweeps every stream.
@@ -42,18 +42,19 @@ class OpenStreams {
   std::size_t count() const;
 
  private:
-  std::vector<std::shared_ptr<OpenStream>> AliveLocked() const;
-
-  const std::size_t limit_;
-  mutable std::mutex mutex_;
   struct Entry {
-    std::weak_ptr<OpenStream> stream;
+    std::weak_ptr<LongCall> call;
     std::string owner;
   };
-  // All below is guarded by mutex_.
-  bool draining_ = false;
-  std::map<const OpenStream*, Entry> streams_;
-  std::map<std::string, std::size_t> by_owner_;
+  using Alive = std::vector<std::shared_ptr<LongCall>>;
+
+  Alive AliveOnes() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  const std::size_t limit_;
+  mutable Mutex mutex_;
+  bool draining_ ABSL_GUARDED_BY(mutex_) = false;
+  std::map<const LongCall*, Entry> calls_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, std::size_t> by_owner_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace arap::app

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/try.h"
 #include "server/sessions/names.h"
 
 namespace arap::app {
@@ -14,9 +15,10 @@ namespace {
 constexpr std::size_t kNamesInMessage = 5;
 
 Fault Miscount(std::size_t count, std::size_t expected, const std::string& what) {
-  Fault fault(FaultKind::kTargetCount,
-              fmt::format("There are {} targets for {} handles{}.", count, expected, what));
-  return fault.Detail("count", std::to_string(count)).Detail("expected", std::to_string(expected));
+  return Fault(FaultKind::kTargetCount,
+               fmt::format("There are {} targets for {} handles{}.", count, expected, what))
+      .Detail("count", count)
+      .Detail("expected", expected);
 }
 
 // Names the handles that nothing in `seen` moves.
@@ -36,6 +38,7 @@ Fault Missing(const CompiledHandles& handles, const std::vector<bool>& seen, std
 }
 
 // The indices in the set of `count` ids, each at most once; `seen` is set for every handle found.
+// One look-up in the set's index at most for each id.
 template <class IdAt, class FieldAt>
 Result<std::vector<std::size_t>> Resolve(const CompiledHandles& handles, std::size_t count,
                                          IdAt id_at, FieldAt field_at, std::vector<bool>& seen) {
@@ -84,7 +87,7 @@ Status CheckTarget(const Target& target, std::string_view field) {
   const auto bad = [&](double value, const char* part) {
     return Fail(Fault(FaultKind::kNonFiniteTarget, fmt::format("{}.{} is not finite.", field, part))
                     .Field(fmt::format("{}.{}", field, part))
-                    .Detail("value", fmt::format("{}", value)));
+                    .Detail("value", value));
   };
   if (!std::isfinite(target.position.real())) return bad(target.position.real(), "x");
   if (!std::isfinite(target.position.imag())) return bad(target.position.imag(), "y");
@@ -95,8 +98,8 @@ Status CheckTarget(const Target& target, std::string_view field) {
         Fault(FaultKind::kInvalidOption, fmt::format("{}.scale of {} is not between 0 and {}.",
                                                      field, target.scale, kMaxTargetScale))
             .Field(fmt::format("{}.scale", field))
-            .Detail("value", fmt::format("{}", target.scale))
-            .Detail("limit", fmt::format("{}", kMaxTargetScale)));
+            .Detail("value", target.scale)
+            .Detail("limit", kMaxTargetScale));
   }
   return {};
 }
@@ -104,9 +107,8 @@ Status CheckTarget(const Target& target, std::string_view field) {
 Status MergeTargets(const CompiledHandles& handles, std::span<const NamedTarget> named,
                     std::vector<Target>& targets) {
   std::vector<bool> seen;
-  auto order = ResolveTargets(handles, named, seen);
-  if (!order) return Fail(std::move(order.error()));
-  for (std::size_t i = 0; i < named.size(); ++i) targets[(*order)[i]] = named[i].target;
+  TRY(const auto order, ResolveTargets(handles, named, seen));
+  for (std::size_t i = 0; i < named.size(); ++i) targets[order[i]] = named[i].target;
   return {};
 }
 
@@ -114,16 +116,17 @@ Status PackedTargets(const CompiledHandles& handles, std::span<const double> pos
                      std::vector<Target>& targets) {
   const std::size_t expected = handles.handles().size();
   if (positions.size() != 2 * expected) {
-    Fault fault = Miscount(positions.size() / 2, expected,
-                           fmt::format(", positions has {} numbers", positions.size()));
-    return Fail(fault.Detail("length", std::to_string(positions.size())).Field("positions"));
+    return Fail(Miscount(positions.size() / 2, expected,
+                         fmt::format(", positions has {} numbers", positions.size()))
+                    .Detail("length", positions.size())
+                    .Field("positions"));
   }
   for (std::size_t i = 0; i < positions.size(); ++i) {
     if (std::isfinite(positions[i])) continue;
-    Fault fault = Fault(FaultKind::kNonFiniteTarget, fmt::format("positions[{}] is not finite.", i))
-                      .Field(fmt::format("positions[{}]", i))
-                      .Detail("value", fmt::format("{}", positions[i]));
-    return Fail(fault.Element(static_cast<std::uint32_t>(i / 2)));
+    return Fail(Fault(FaultKind::kNonFiniteTarget, fmt::format("positions[{}] is not finite.", i))
+                    .Field(fmt::format("positions[{}]", i))
+                    .Element(static_cast<std::uint32_t>(i / 2))
+                    .Detail("value", positions[i]));
   }
   for (std::size_t i = 0; i < expected; ++i) {
     targets[i].position = {positions[2 * i], positions[2 * i + 1]};
@@ -134,11 +137,10 @@ Status PackedTargets(const CompiledHandles& handles, std::span<const double> pos
 Result<std::vector<Target>> CompleteTargets(const CompiledHandles& handles,
                                             std::span<const NamedTarget> named) {
   std::vector<bool> seen;
-  auto order = ResolveTargets(handles, named, seen);
-  if (!order) return Fail(std::move(order.error()));
+  TRY(const auto order, ResolveTargets(handles, named, seen));
   if (named.size() != seen.size()) return Fail(Missing(handles, seen, named.size()));
   std::vector<Target> targets(named.size());
-  for (std::size_t i = 0; i < named.size(); ++i) targets[(*order)[i]] = named[i].target;
+  for (std::size_t i = 0; i < named.size(); ++i) targets[order[i]] = named[i].target;
   return targets;
 }
 

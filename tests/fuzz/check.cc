@@ -64,7 +64,7 @@ void CheckFinite(double number, const char* what) {
 }
 
 void CheckFault(const Fault& fault) {
-  Promise(!fault.message.empty(), "a fault has a message", FaultName(fault.kind));
+  Promise(!fault.message.empty(), "a fault has a message", FaultName(fault.kind).c_str());
   Promise(fault.kind != FaultKind::kInternal, "no input shows a bug", fault.message.c_str());
   Promise(fault.elements.size() <= Fault::kMaxElements, "a fault names few elements",
           fault.message.c_str());

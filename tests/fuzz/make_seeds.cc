@@ -220,6 +220,32 @@ void PutFlattening(const Seeds& seeds) {
   }
 }
 
+// Events as policy_driver.cc reads them: the first two bytes choose the delivery and open.
+void PutPolicy(const Seeds& seeds) {
+  const std::string update("\x0b\x07\x01\x01\x70\x80\x00", 7);  // one handle moves
+  const std::string bad("\x0b\x07\x01\x04\x70\x80\x00", 7);     // one that is not there
+  const std::string packed("\x0b\x06\x06\x60\x60\xa0\x60\x60\xa0", 9);
+  const std::string edit("\x0b\x05\x01\x00", 4);
+  const std::string ping("\x0b\x03\x07", 3);
+  const std::string job("\x06", 1);        // ends
+  const std::string write("\x08\x00", 2);  // likewise
+  const std::string later("\x02\x64", 2);
+  const std::string talk = write + update + update + ping + write + update + job + write + bad +
+                           job + write + write + edit + job + write + packed + later + packed +
+                           job + write + update + later + later + later + update + job + write;
+  for (int every = 0; every < 2; ++every) {
+    const std::string name = every != 0 ? "every" : "latest";
+    const std::string head{static_cast<char>(every), '\1'};
+    seeds.Put("policy", name, head + talk);
+    seeds.Put("policy", name + "_full", head + std::string("\x00\x01", 2) + talk);
+    seeds.Put("policy", name + "_half_close", head + update + update + std::string("\x0a\xff", 2));
+    seeds.Put("policy", name + "_end",
+              head + update + update + std::string("\x03\xff\x00", 3) + talk);
+    seeds.Put("policy", name + "_cancel", head + talk + std::string("\x03\xff\x01", 3));
+  }
+  seeds.Put("policy", "no_open", std::string("\0\0", 2) + update + talk);
+}
+
 // These have a format of their own: bytes that lead into every branch.
 void PutCore(const Seeds& seeds) {
   for (int i = 0; i < 12; ++i) {
@@ -247,5 +273,6 @@ int main(int argc, char** argv) {
   arap::fuzz::PutStreams(seeds);
   arap::fuzz::PutFlattening(seeds);
   arap::fuzz::PutCore(seeds);
+  arap::fuzz::PutPolicy(seeds);
   seeds.Put("server", "info", arap::fuzz::Call(0, arap::v1::GetServerInfoRequest()));
 }

@@ -1,4 +1,4 @@
-// The streams, over a channel within the process.
+// The streams, over a channel within the process; and their rules alone.
 #include <chrono>
 #include <future>
 #include <vector>
@@ -9,6 +9,7 @@
 #include "tests/fuzz/check.h"
 #include "tests/fuzz/targets.h"
 #include "tests/fuzz/world.h"
+#include "tests/server/streams/policy_driver.h"
 
 namespace arap::fuzz {
 namespace {
@@ -109,6 +110,11 @@ void Track(const std::uint8_t* data, std::size_t size) {
   v1::DeformTrackResponse response;
   while (reader->Read(&response)) CheckFinite(response);
   CheckEnd(reader->Finish());
+}
+
+void Policy(const std::uint8_t* data, std::size_t size) {
+  const std::string broken = testing::DrivePolicy(data, size);
+  Promise(broken.empty(), "a stream keeps its rules", broken.c_str());
 }
 
 }  // namespace arap::fuzz

@@ -26,6 +26,9 @@ void Track(const std::uint8_t* data, std::size_t size);
 void CoreDeform(const std::uint8_t* data, std::size_t size);
 void CoreFlatten(const std::uint8_t* data, std::size_t size);
 
+// The rules of a stream without the wire: messages, ends of jobs and writes, and time in any order.
+void Policy(const std::uint8_t* data, std::size_t size);
+
 struct FuzzTarget {
   const char* name;  // of the corpus too
   void (*run)(const std::uint8_t* data, std::size_t size);
@@ -37,6 +40,7 @@ inline constexpr FuzzTarget kTargets[] = {
     {"flatten", Flatten},        {"server", Server},
     {"stream", Stream},          {"track", Track},
     {"core_deform", CoreDeform}, {"core_flatten", CoreFlatten},
+    {"policy", Policy},
 };
 
 }  // namespace arap::fuzz

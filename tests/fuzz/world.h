@@ -8,9 +8,9 @@
 #include <grpcpp/grpcpp.h>
 
 #include "server/engine.h"
-#include "server/rpc/call.h"
 #include "server/rpc/caller_of.h"
 #include "server/rpc/services.h"
+#include "server/rpc/unary.h"
 #include "server/runtime/clock.h"
 
 namespace arap::fuzz {

@@ -13,7 +13,6 @@
 #include "server/sessions/registration.h"
 #include "server/sessions/warm.h"
 #include "server/streams/live_set.h"
-#include "server/streams/pose.h"
 #include "server/streams/targets.h"
 
 namespace arap::app {

@@ -1,11 +1,9 @@
 // Admission: by load, by rate, by number.
-#include "server/streams/load_guard.h"
+#include "server/streams/admission.h"
 
 #include <gtest/gtest.h>
 
 #include "server/budget/gate.h"
-#include "server/budget/token_bucket.h"
-#include "server/streams/stream_pace.h"
 
 namespace arap::app {
 namespace {

@@ -1,8 +1,12 @@
-#include <arap/v1/server_service.pb.h>
+// ServerService: what a server can do and takes; and the list of all services.
+#include <utility>
 
-#include "server/engine.h"
+#include <arap/v1/server_service.grpc.pb.h>
+
 #include "server/rpc/convert_session.h"
 #include "server/rpc/handlers.h"
+#include "server/rpc/services.h"
+#include "server/rpc/unary.h"
 #include "server/version.h"
 
 namespace arap::rpc {
@@ -63,6 +67,38 @@ Status GetServerInfo(app::Engine& engine, const v1::GetServerInfoRequest&, const
   for (const char* capability : kCapabilities) response->add_capabilities(capability);
   response->set_workers(static_cast<std::uint32_t>(engine.interactive.threads()));
   return {};
+}
+
+namespace {
+
+class ServerServiceImpl final : public v1::ServerService::CallbackService {
+ public:
+  explicit ServerServiceImpl(const Backend& backend) : backend_(backend) {}
+
+  grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
+                                          const v1::GetServerInfoRequest* request,
+                                          v1::GetServerInfoResponse* response) override {
+    return Run(backend_, {"GetServerInfo", Cost::kTrivial, true, nullptr, true}, context, request,
+               response, rpc::GetServerInfo);
+  }
+
+ private:
+  const Backend backend_;
+};
+
+}  // namespace
+
+NamedService MakeServerService(const Backend& backend) {
+  return {v1::ServerService::service_full_name(), std::make_unique<ServerServiceImpl>(backend)};
+}
+
+std::vector<NamedService> MakeServices(app::Engine& engine, const Identity& identity) {
+  const Backend backend{engine, identity};
+  std::vector<NamedService> services;
+  services.push_back(MakeDeformationService(backend));
+  services.push_back(MakeFlatteningService(backend));
+  services.push_back(MakeServerService(backend));
+  return services;
 }
 
 }  // namespace arap::rpc

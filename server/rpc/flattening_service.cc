@@ -1,12 +1,16 @@
-#include <arap/v1/flattening_service.pb.h>
+// FlatteningService: Flatten with its handler.
+#include <utility>
+
+#include <arap/v1/flattening_service.grpc.pb.h>
 
 #include "server/budget/estimate.h"
-#include "server/engine.h"
 #include "server/flattening/flatten_surface.h"
 #include "server/rpc/convert_flatten.h"
 #include "server/rpc/convert_mesh.h"
 #include "server/rpc/convert_session.h"
 #include "server/rpc/handlers.h"
+#include "server/rpc/services.h"
+#include "server/rpc/unary.h"
 #include "server/runtime/metrics.h"
 #include "server/runtime/stopwatch.h"
 
@@ -28,23 +32,45 @@ Status Flatten(app::Engine& engine, const v1::FlattenRequest& request, const Cal
                v1::FlattenResponse* response) {
   const runtime::Stopwatch working;
   const app::Limits& limits = engine.limits;
-  if (auto fits = CheckBudget(request, limits); !fits) return fits;
-  auto options = FromWire(request, limits);
-  if (!options) return Fail(std::move(options.error()));
+  CHECK_OK(CheckBudget(request, limits));
+  TRY(const auto options, FromWire(request, limits));
   const MeshLimits bounds{limits.max_vertices, limits.max_triangles};
-  auto mesh = FromWire(request.mesh(), bounds);
-  if (!mesh) return Fail(std::move(mesh.error()));
-  auto room = engine.derived.Reserve(call.caller, app::FlatteningBytes(mesh->triangles.size()));
-  if (!room) return Fail(std::move(room.error()));
+  TRY(auto mesh, FromWire(request.mesh(), bounds));
+  TRY(const auto room,
+      engine.derived.Reserve(call.caller, app::FlatteningBytes(mesh.triangles.size())));
   auto answer = app::FlattenSurface(engine.surfaces, call.caller.owner, request.surface_key(),
-                                    *std::move(mesh), *options, bounds, call.cancel);
+                                    std::move(mesh), options, bounds, call.cancel);
   if (!answer) return Fail(SpelledForFlatten(std::move(answer.error())));
   Measure(answer->flat.times, working.Micros(), engine.metrics);
-  if (auto good = ToWire(answer->flat, request, response); !good) return good;
+  CHECK_OK(ToWire(answer->flat, request, response));
   response->set_surface_cached(answer->cached);
   SetMicros(call.queue_micros, response->mutable_queue_time());
   SetMicros(working.Micros(), response->mutable_solve_time());
   return {};
+}
+
+namespace {
+
+class FlatteningServiceImpl final : public v1::FlatteningService::CallbackService {
+ public:
+  explicit FlatteningServiceImpl(const Backend& backend) : backend_(backend) {}
+
+  grpc::ServerUnaryReactor* Flatten(grpc::CallbackServerContext* context,
+                                    const v1::FlattenRequest* request,
+                                    v1::FlattenResponse* response) override {
+    return Run(backend_, {"Flatten", Cost::kHeavy, false, &backend_.engine.flattenings}, context,
+               request, response, rpc::Flatten);
+  }
+
+ private:
+  const Backend backend_;
+};
+
+}  // namespace
+
+NamedService MakeFlatteningService(const Backend& backend) {
+  return {v1::FlatteningService::service_full_name(),
+          std::make_unique<FlatteningServiceImpl>(backend)};
 }
 
 }  // namespace arap::rpc

@@ -1,4 +1,4 @@
-// DeformTrack: a whole track of targets in, its frames out.
+// DeformTrack over gRPC: a whole track of targets in, its frames out.
 //
 // All frames are checked before the first is answered, except for what only the solution shows
 // (CONFLICTING_HANDLES, NUMERICAL): that ends the track at its frame. One frame is computed while

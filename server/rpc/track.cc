@@ -1,10 +1,9 @@
-#include "server/rpc/deform_track.h"
+#include "server/rpc/track.h"
 
 #include <algorithm>
 #include <array>
 #include <deque>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -15,17 +14,18 @@
 #include <fmt/format.h>
 #include <grpcpp/server_context.h>
 
+#include "core/base/mutex.h"
+#include "core/base/try.h"
 #include "server/engine.h"
 #include "server/rpc/caller_of.h"
-#include "server/rpc/cancel.h"
 #include "server/rpc/convert_handles.h"
 #include "server/rpc/convert_shape.h"
 #include "server/rpc/rpc_log.h"
 #include "server/rpc/status_map.h"
-#include "server/runtime/metrics.h"
 #include "server/runtime/stopwatch.h"
 #include "server/sessions/names.h"
 #include "server/sessions/warm.h"
+#include "server/streams/live_set.h"
 #include "server/streams/targets.h"
 
 namespace arap::rpc {
@@ -35,24 +35,38 @@ namespace {
 // frames.
 constexpr std::size_t kLanes = 2;
 
-// As StreamDeformReactor: state behind a mutex, every entry pumps, jobs hold a shared pointer.
-class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackResponse>,
-                                 public app::OpenStream,
-                                 public std::enable_shared_from_this<DeformTrackReactor> {
+// The frames that are sent to a client, and what they were computed from. As in the stream's
+// reactor: state behind a mutex, every entry pumps, jobs hold a shared pointer.
+class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackResponse>,
+                           public app::LongCall,
+                           public std::enable_shared_from_this<TrackReactor> {
  public:
-  DeformTrackReactor(app::Engine& engine, grpc::CallbackServerContext* context,
-                     const v1::DeformTrackRequest& request, app::Caller caller)
+  TrackReactor(app::Engine& engine, grpc::CallbackServerContext* context,
+               const v1::DeformTrackRequest& request, app::Caller caller)
       : engine_(engine),
         caller_(std::move(caller)),
         cancel_(CancelTokenOf(context)),
         request_(request),
-        log_("DeformTrack", request.session_id(), false, &engine.metrics) {}
+        log_("DeformTrack", request.session_id(), false, &engine.metrics) {
+    log_.Owner(caller_.owner);
+  }
 
   // `admitted`: what CallerOf says. Nothing is delivered, and OnDone not called, before the RPC's
   // method has returned.
   void Start(const grpc::CallbackServerContext& context, const Identity& identity,
              const Status& admitted) {
-    Begin(admitted);
+    self_ = shared_from_this();
+    const Status added = admitted ? engine_.streams.Add(self_, caller_) : admitted;
+    {
+      const MutexLock lock(&mutex_);
+      if (!added) {
+        end_ = added.error();
+      } else {
+        working_ = engine_.jobs.TryPost([self = self_] { self->RunPrepare(); });
+        if (!working_) end_ = app::Overloaded();
+      }
+      Pump();
+    }
     if (!admitted) return;
     watch_ = WatchCaller(context, identity, caller_, [weak = weak_from_this()](Fault lost) {
       if (const auto self = weak.lock()) self->End(std::move(lost));
@@ -60,20 +74,20 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
   }
 
   void End(Fault reason) override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
     if (!end_ && !finished_) end_ = std::move(reason);
     Pump();
   }
 
   void OnWriteDone(bool ok) override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
     writing_ = false;
     if (!ok) cancelled_ = true;
     Pump();
   }
 
   void OnCancel() override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
     cancelled_ = true;
     Pump();
   }
@@ -81,26 +95,14 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
   void OnDone() override {
     engine_.streams.Remove(this);
     watch_ = {};
-    const std::shared_ptr<DeformTrackReactor> self = std::move(self_);
-    const std::lock_guard lock(mutex_);
+    const std::shared_ptr<TrackReactor> self = std::move(self_);
+    const MutexLock lock(&mutex_);
     log_.End(end_status_, fmt::format(" frames={}/{}", written_, request_.frames_size()));
   }
 
  private:
-  void Begin(const Status& admitted) {
-    const std::lock_guard lock(mutex_);
-    self_ = shared_from_this();
-    if (auto added = admitted ? engine_.streams.Add(self_, caller_) : admitted; !added) {
-      end_ = std::move(added.error());
-    } else {
-      working_ = engine_.jobs.TryPost([self = self_] { self->RunPrepare(); });
-      if (!working_) end_ = app::Overloaded();
-    }
-    Pump();
-  }
-
-  // Starts whatever has become possible. With mutex_ held.
-  void Pump() {
+  // Starts whatever has become possible.
+  void Pump() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (finished_) return;
     if (!writing_ && !ready_.empty() && !cancelled_) {
       outgoing_ = std::move(ready_.front());
@@ -118,7 +120,7 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
     if (!working_ && !writing_ && (cancelled_ || ready_.empty())) FinishTrack();
   }
 
-  void FinishTrack() {
+  void FinishTrack() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (cancelled_) {
       end_status_ = Fail(FaultKind::kCancelled, "The caller has cancelled.");
     } else if (end_) {
@@ -128,18 +130,20 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
     Finish(end_status_ ? grpc::Status::OK : ToGrpcStatus(end_status_.error()));
   }
 
+  // The jobs, without mutex_.
+
   void RunPrepare() {
-    auto prepared = Prepare();
-    const std::lock_guard lock(mutex_);
+    const Status prepared = Prepare();
+    const MutexLock lock(&mutex_);
     prepared_ = prepared.has_value();
-    if (!prepared && !end_) end_ = std::move(prepared.error());
+    if (!prepared && !end_) end_ = prepared.error();
     working_ = false;
     Pump();
   }
 
   void RunFrames() {
-    auto frames = Frames();
-    const std::lock_guard lock(mutex_);
+    auto frames = NextFrames();
+    const MutexLock lock(&mutex_);
     if (frames) {
       next_frame_ += static_cast<int>(frames->size());
       for (v1::DeformTrackResponse& frame : *frames) ready_.push_back(std::move(frame));
@@ -150,45 +154,42 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
     Pump();
   }
 
-  // The jobs' bodies, without mutex_. What they set is theirs while working_.
   Status Prepare() {
-    auto session = engine_.sessions.Use(caller_.owner, request_.session_id());
-    if (!session) return Fail(std::move(session.error()));
-    auto entry = app::WarmHandleSet(engine_, caller_, **session, request_.handle_set_id(), cancel_);
-    if (!entry) return Fail(std::move(entry.error()));
-    auto options = FromWire(request_.options(), engine_.limits);
-    if (!options) return Fail(std::move(options.error()));
+    TRY(const auto session, engine_.sessions.Use(caller_.owner, request_.session_id()));
+    TRY(auto entry,
+        app::WarmHandleSet(engine_, caller_, *session, request_.handle_set_id(), cancel_));
+    TRY(options_, FromWire(request_.options(), engine_.limits));
+    const auto count = static_cast<std::size_t>(request_.frames_size());
     const std::size_t limit = engine_.limits.max_track_frames;
-    if (static_cast<std::size_t>(request_.frames_size()) > limit) {
-      Fault fault = Fault(FaultKind::kInvalidOption,
-                          fmt::format("The track has {} frames, more than max_track_frames of {}.",
-                                      request_.frames_size(), limit))
-                        .Field("frames");
-      return Fail(fault.Detail("count", std::to_string(request_.frames_size()))
+    if (count > limit) {
+      return Fail(Fault(FaultKind::kInvalidOption,
+                        fmt::format("The track has {} frames, more than max_track_frames of {}.",
+                                    count, limit))
+                      .Field("frames")
+                      .Detail("count", count)
                       .Detail("quota", "max_track_frames")
-                      .Detail("limit", std::to_string(limit)));
+                      .Detail("limit", limit));
     }
     const std::vector<std::string_view> ids(request_.handle_ids().begin(),
                                             request_.handle_ids().end());
-    auto order = app::CompleteOrder(*entry->handles, ids);
-    if (!order) return Fail(std::move(order.error()));
-    for (int i = 0; i < request_.frames_size(); ++i) {
-      auto targets = FromWire(request_.frames(i), static_cast<std::size_t>(i), *order);
-      if (!targets) return Fail(std::move(targets.error()));
-      if (auto alive = cancel_.Check(); !alive) return alive;
+    TRY(order_, app::CompleteOrder(*entry.handles, ids));
+    for (std::size_t i = 0; i < count; ++i) {
+      if (auto targets = TargetsOf(i); !targets) return Fail(std::move(targets.error()));
+      CHECK_OK(cancel_.Check());
     }
-    options_ = *options;
-    order_ = *std::move(order);
-    revision_ = entry->revision;
-    deformer_.emplace(entry->handles, kLanes);
+    live_.emplace(std::move(entry), kLanes);
     return {};
+  }
+
+  Result<std::vector<Target>> TargetsOf(std::size_t frame) const {
+    return FromWire(request_.frames(static_cast<int>(frame)), frame, order_);
   }
 
   // The next kLanes frames, or only the next one when they fail together: the frames before a bad
   // one are answered, and the fault names the one that it is.
-  Result<std::vector<v1::DeformTrackResponse>> Frames() {
-    if (auto alive = cancel_.Check(); !alive) return Fail(std::move(alive.error()));
-    const std::size_t left = static_cast<std::size_t>(request_.frames_size() - next_frame_);
+  Result<std::vector<v1::DeformTrackResponse>> NextFrames() {
+    CHECK_OK(cancel_.Check());
+    const auto left = static_cast<std::size_t>(request_.frames_size() - next_frame_);
     auto frames = Solve(std::min(kLanes, left));
     if (!frames && left > 1) frames = Solve(1);
     return frames;
@@ -202,64 +203,57 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
     std::array<std::span<const Target>, kLanes> views;
     std::array<ShapeQuality, kLanes> qualities;
     for (std::size_t i = 0; i < count; ++i) {
-      auto frame = FromWire(request_.frames(static_cast<int>(first + i)), first + i, order_);
-      if (!frame) return Fail(std::move(frame.error()));
-      targets[i] = *std::move(frame);
+      TRY(targets[i], TargetsOf(first + i));
       views[i] = targets[i];
     }
-    if (auto done =
-            deformer_->UpdateMany(std::span(views).first(count), options_.deform, qualities);
-        !done) {
-      return Fail(AtFrame(std::move(done.error()), first));
-    }
+    auto moved =
+        live_->MoveMany(std::span(views).first(count), options_.deform, qualities, engine_.metrics);
+    if (!moved) return Fail(AtFrame(std::move(moved.error()), first));
     std::vector<v1::DeformTrackResponse> responses(count);
     for (std::size_t i = 0; i < count; ++i) {
       v1::Shape& shape = *responses[i].mutable_shape();
-      if (auto good = ToWire(*deformer_, qualities[i], options_, &shape, i); !good) {
+      if (auto good = ToWire(live_->deformer(), qualities[i], options_, &shape, i); !good) {
         return Fail(AtFrame(std::move(good.error()), first + i));
       }
       shape.set_sequence(first + i);
-      shape.set_handle_set_revision(revision_);
+      shape.set_handle_set_revision(live_->entry().revision);
       shape.set_queue_micros(queue_micros);
       shape.set_solve_micros(working.Micros() / static_cast<double>(count));
-      engine_.metrics.Phase(runtime::Phase::kTrack, shape.solve_micros() * 1e-6);
     }
     return responses;
   }
 
   static Fault AtFrame(Fault fault, std::size_t index) {
     fault.message = fmt::format("frames[{}]: {}", index, fault.message);
-    return fault.Detail("frame", std::to_string(index)).Field(fmt::format("frames[{}]", index));
+    return fault.Detail("frame", index).Field(fmt::format("frames[{}]", index));
   }
 
   app::Engine& engine_;
   const app::Caller caller_;
-  app::TokenWatch watch_;  // from Start until OnDone
   const CancelToken cancel_;
   const v1::DeformTrackRequest& request_;  // gRPC's, until the call is done
-  std::shared_ptr<DeformTrackReactor> self_;
+  app::TokenWatch watch_;                  // from Start until OnDone
+  std::shared_ptr<TrackReactor> self_;     // likewise
 
-  // The running job's own.
+  // The running job's own; when none runs, of whoever holds mutex_.
   ShapeOptions options_;
-  std::vector<std::size_t> order_;
-  std::uint64_t revision_ = 0;
-  std::optional<Deformer> deformer_;
+  std::vector<std::size_t> order_;  // of each column in the set
+  std::optional<app::LiveSet> live_;
   runtime::Stopwatch waiting_;
-
-  std::mutex mutex_;
-  // All below is guarded by mutex_.
-  bool prepared_ = false;
-  bool working_ = false;
   int next_frame_ = 0;
-  std::deque<v1::DeformTrackResponse> ready_;  // at most kLanes
-  v1::DeformTrackResponse outgoing_;           // gRPC's while writing_
-  bool writing_ = false;
-  int written_ = 0;
-  std::optional<Fault> end_;
-  bool cancelled_ = false;
-  bool finished_ = false;
-  Status end_status_;
-  RpcLog log_;
+
+  Mutex mutex_;
+  bool prepared_ ABSL_GUARDED_BY(mutex_) = false;
+  bool working_ ABSL_GUARDED_BY(mutex_) = false;
+  std::deque<v1::DeformTrackResponse> ready_ ABSL_GUARDED_BY(mutex_);  // at most kLanes
+  v1::DeformTrackResponse outgoing_ ABSL_GUARDED_BY(mutex_);           // gRPC's while writing_
+  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
+  int written_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::optional<Fault> end_ ABSL_GUARDED_BY(mutex_);
+  bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
+  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
+  Status end_status_ ABSL_GUARDED_BY(mutex_);
+  RpcLog log_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace
@@ -267,10 +261,10 @@ class DeformTrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrack
 grpc::ServerWriteReactor<v1::DeformTrackResponse>* DeformTrack(
     app::Engine& engine, const Identity& identity, grpc::CallbackServerContext* context,
     const v1::DeformTrackRequest* request) {
-  const auto caller = CallerOf(*context, identity);
-  const auto reactor = std::make_shared<DeformTrackReactor>(engine, context, *request,
-                                                            caller.value_or(app::Caller{}));
-  reactor->Start(*context, identity, caller ? Status() : Fail(caller.error()));
+  auto caller = CallerOf(*context, identity);
+  const auto reactor =
+      std::make_shared<TrackReactor>(engine, context, *request, caller.value_or(app::Caller{}));
+  reactor->Start(*context, identity, caller ? Status() : Fail(std::move(caller.error())));
   return reactor.get();
 }
 

@@ -1,0 +1,265 @@
+// DeformationService: every method with its handler, and which lane it runs on.
+#include <utility>
+
+#include <arap/v1/deformation_service.grpc.pb.h>
+
+#include "server/rpc/convert_handles.h"
+#include "server/rpc/convert_mesh.h"
+#include "server/rpc/convert_session.h"
+#include "server/rpc/convert_shape.h"
+#include "server/rpc/handlers.h"
+#include "server/rpc/services.h"
+#include "server/rpc/stream.h"
+#include "server/rpc/track.h"
+#include "server/rpc/unary.h"
+#include "server/runtime/metrics.h"
+#include "server/runtime/stopwatch.h"
+#include "server/sessions/handle_sets.h"
+#include "server/sessions/names.h"
+#include "server/sessions/registration.h"
+#include "server/streams/live_set.h"
+#include "server/streams/targets.h"
+
+namespace arap::rpc {
+namespace {
+
+// Whose sessions are meant. `missing` is what somebody hears who may not ask: the same as when
+// there is nothing.
+Result<std::string> OwnerOf(const Call& call, const std::string& owner, Fault missing) {
+  const app::Caller& caller = call.caller;
+  if (owner.empty() || owner == caller.owner) return caller.owner;
+  if (caller.role == app::Role::kAdmin && IsName(owner)) return owner;
+  return Fail(std::move(missing));
+}
+
+// How long the call waited and worked, for the answers that have both.
+template <class Response>
+void SetTimes(const Call& call, const runtime::Stopwatch& working, Response* response) {
+  SetMicros(call.queue_micros, response->mutable_queue_time());
+  SetMicros(working.Micros(), response->mutable_solve_time());
+}
+
+}  // namespace
+
+// Sessions.
+
+Status CreateSession(app::Engine& engine, const v1::CreateSessionRequest& request, const Call& call,
+                     v1::CreateSessionResponse* response) {
+  TRY(auto spec, FromWire(request));
+  TRY(const auto view, engine.sessions.Create(call.caller, std::move(spec)));
+  ToWire(view, response->mutable_session());
+  return {};
+}
+
+Status GetSession(app::Engine& engine, const v1::GetSessionRequest& request, const Call& call,
+                  v1::GetSessionResponse* response) {
+  TRY(const auto owner,
+      OwnerOf(call, request.owner(), app::NotFound("session", request.session_id())));
+  TRY(const auto view, engine.sessions.View(owner, request.session_id()));
+  ToWire(view, response->mutable_session());
+  return {};
+}
+
+Status ListSessions(app::Engine& engine, const v1::ListSessionsRequest& request, const Call& call,
+                    v1::ListSessionsResponse* response) {
+  TRY(const auto owner, OwnerOf(call, request.owner(), app::NotFound("owner", request.owner())));
+  TRY(const auto page, engine.sessions.List(owner, request.page_size(), request.page_token()));
+  for (const app::SessionView& view : page.sessions) ToWire(view, response->add_sessions());
+  response->set_next_page_token(page.next_token);
+  return {};
+}
+
+Status DeleteSession(app::Engine& engine, const v1::DeleteSessionRequest& request, const Call& call,
+                     v1::DeleteSessionResponse*) {
+  TRY(const auto owner,
+      OwnerOf(call, request.owner(), app::NotFound("session", request.session_id())));
+  return engine.sessions.Delete(owner, request.session_id());
+}
+
+// Meshes.
+
+Status RegisterMesh(app::Engine& engine, const v1::RegisterMeshRequest& request, const Call& call,
+                    v1::RegisterMeshResponse* response) {
+  const runtime::Stopwatch working;
+  TRY(auto mesh,
+      FromWire(request.mesh(), {engine.limits.max_vertices, engine.limits.max_triangles}));
+  TRY(const auto options, FromWire(request.energy(), Weights::kUniform, mesh.triangles.size()));
+  TRY(const auto registration,
+      app::RegisterMesh(engine, call.caller, request.session_id(), request.mesh_id(),
+                        std::move(mesh), options, call.cancel));
+  if (!registration.shared) {
+    engine.metrics.Phase(runtime::Phase::kRegister, working.Micros() * 1e-6);
+  }
+  ToWire(registration.entry, response->mutable_mesh());
+  response->set_shared(registration.shared);
+  SetTimes(call, working, response);
+  return {};
+}
+
+Status GetMesh(app::Engine& engine, const v1::GetMeshRequest& request, const Call& call,
+               v1::GetMeshResponse* response) {
+  TRY(const auto session, SessionOf(engine, call, request.session_id()));
+  TRY(const auto entry,
+      app::WarmMesh(engine, call.caller, *session, request.mesh_id(), call.cancel));
+  ToWire(entry, response->mutable_mesh());
+  return {};
+}
+
+Status DeleteMesh(app::Engine& engine, const v1::DeleteMeshRequest& request, const Call& call,
+                  v1::DeleteMeshResponse*) {
+  return app::DeleteMesh(engine, call.caller, request.session_id(), request.mesh_id());
+}
+
+// Handle sets.
+
+Status CompileHandles(app::Engine& engine, const v1::CompileHandlesRequest& request,
+                      const Call& call, v1::CompileHandlesResponse* response) {
+  const runtime::Stopwatch working;
+  TRY(const auto handles, FromWire(request.handles(), "handles"));
+  TRY(const auto entry,
+      app::CompileHandles(engine, call.caller, request.session_id(), request.mesh_id(),
+                          request.handle_set_id(), handles, call.cancel));
+  engine.metrics.Phase(runtime::Phase::kCompile, working.Micros() * 1e-6);
+  ToWire(entry, response->mutable_handle_set());
+  SetTimes(call, working, response);
+  return {};
+}
+
+Status EditHandles(app::Engine& engine, const v1::EditHandlesRequest& request, const Call& call,
+                   v1::EditHandlesResponse* response) {
+  const runtime::Stopwatch working;
+  TRY(const auto add, FromWire(request.add(), "add"));
+  TRY(const auto entry,
+      app::EditHandles(engine, call.caller, request.session_id(), request.handle_set_id(),
+                       {request.remove().begin(), request.remove().end()}, add, call.cancel));
+  engine.metrics.Phase(runtime::Phase::kEdit, working.Micros() * 1e-6);
+  ToWire(entry, response->mutable_handle_set());
+  SetTimes(call, working, response);
+  return {};
+}
+
+Status GetHandleSet(app::Engine& engine, const v1::GetHandleSetRequest& request, const Call& call,
+                    v1::GetHandleSetResponse* response) {
+  TRY(const auto session, SessionOf(engine, call, request.session_id()));
+  TRY(const auto entry,
+      app::WarmHandleSet(engine, call.caller, *session, request.handle_set_id(), call.cancel));
+  ToWire(entry, response->mutable_handle_set());
+  return {};
+}
+
+Status DeleteHandleSet(app::Engine& engine, const v1::DeleteHandleSetRequest& request,
+                       const Call& call, v1::DeleteHandleSetResponse*) {
+  return app::DeleteHandleSet(engine, call.caller, request.session_id(), request.handle_set_id());
+}
+
+// Shapes.
+
+Status Deform(app::Engine& engine, const v1::DeformRequest& request, const Call& call,
+              v1::DeformResponse* response) {
+  const runtime::Stopwatch working;
+  TRY(const auto session, SessionOf(engine, call, request.session_id()));
+  TRY(auto entry,
+      app::WarmHandleSet(engine, call.caller, *session, request.handle_set_id(), call.cancel));
+  TRY(const auto options, FromWire(request.options(), engine.limits));
+  TRY(const auto picks, PicksFromWire(request.pick_points()));
+  TRY(const auto targets, app::CompleteTargets(*entry.handles, FromWire(request.targets())));
+
+  app::LiveSet set(std::move(entry));
+  TRY(const auto quality, set.Move(targets, options.deform, engine.metrics));
+  v1::Shape& shape = *response->mutable_shape();
+  CHECK_OK(ToWire(set.deformer(), quality, options, &shape));
+  PicksToWire(set.deformer(), picks, &shape);
+  shape.set_handle_set_revision(set.entry().revision);
+  shape.set_queue_micros(call.queue_micros);
+  shape.set_solve_micros(working.Micros());
+  return {};
+}
+
+namespace {
+
+using Context = grpc::CallbackServerContext;
+using Unary = grpc::ServerUnaryReactor;
+
+class DeformationServiceImpl final : public v1::DeformationService::CallbackService {
+ public:
+  explicit DeformationServiceImpl(const Backend& backend) : backend_(backend) {}
+
+  Unary* CreateSession(Context* context, const v1::CreateSessionRequest* request,
+                       v1::CreateSessionResponse* response) override {
+    return Run(backend_, {"CreateSession", Cost::kStore}, context, request, response,
+               rpc::CreateSession);
+  }
+  Unary* GetSession(Context* context, const v1::GetSessionRequest* request,
+                    v1::GetSessionResponse* response) override {
+    return Run(backend_, {"GetSession", Cost::kStore, true}, context, request, response,
+               rpc::GetSession);
+  }
+  Unary* ListSessions(Context* context, const v1::ListSessionsRequest* request,
+                      v1::ListSessionsResponse* response) override {
+    return Run(backend_, {"ListSessions", Cost::kStore, true}, context, request, response,
+               rpc::ListSessions);
+  }
+  Unary* DeleteSession(Context* context, const v1::DeleteSessionRequest* request,
+                       v1::DeleteSessionResponse* response) override {
+    return Run(backend_, {"DeleteSession", Cost::kStore}, context, request, response,
+               rpc::DeleteSession);
+  }
+  Unary* RegisterMesh(Context* context, const v1::RegisterMeshRequest* request,
+                      v1::RegisterMeshResponse* response) override {
+    return Run(backend_, {"RegisterMesh", Cost::kHeavy, false, &backend_.engine.registrations},
+               context, request, response, rpc::RegisterMesh);
+  }
+  Unary* GetMesh(Context* context, const v1::GetMeshRequest* request,
+                 v1::GetMeshResponse* response) override {
+    return Run(backend_, {"GetMesh", Cost::kLookUp, true}, context, request, response,
+               rpc::GetMesh);
+  }
+  Unary* DeleteMesh(Context* context, const v1::DeleteMeshRequest* request,
+                    v1::DeleteMeshResponse* response) override {
+    return Run(backend_, {"DeleteMesh", Cost::kStore}, context, request, response, rpc::DeleteMesh);
+  }
+  Unary* CompileHandles(Context* context, const v1::CompileHandlesRequest* request,
+                        v1::CompileHandlesResponse* response) override {
+    return Run(backend_, {"CompileHandles", Cost::kHeavy, false, &backend_.engine.compilations},
+               context, request, response, rpc::CompileHandles);
+  }
+  Unary* EditHandles(Context* context, const v1::EditHandlesRequest* request,
+                     v1::EditHandlesResponse* response) override {
+    return Run(backend_, {"EditHandles", Cost::kHeavy, false, &backend_.engine.compilations},
+               context, request, response, rpc::EditHandles);
+  }
+  Unary* GetHandleSet(Context* context, const v1::GetHandleSetRequest* request,
+                      v1::GetHandleSetResponse* response) override {
+    return Run(backend_, {"GetHandleSet", Cost::kLookUp, true}, context, request, response,
+               rpc::GetHandleSet);
+  }
+  Unary* DeleteHandleSet(Context* context, const v1::DeleteHandleSetRequest* request,
+                         v1::DeleteHandleSetResponse* response) override {
+    return Run(backend_, {"DeleteHandleSet", Cost::kStore}, context, request, response,
+               rpc::DeleteHandleSet);
+  }
+  Unary* Deform(Context* context, const v1::DeformRequest* request,
+                v1::DeformResponse* response) override {
+    return Run(backend_, {"Deform", Cost::kFrame, true}, context, request, response, rpc::Deform);
+  }
+  grpc::ServerWriteReactor<v1::DeformTrackResponse>* DeformTrack(
+      Context* context, const v1::DeformTrackRequest* request) override {
+    return rpc::DeformTrack(backend_.engine, backend_.identity, context, request);
+  }
+  grpc::ServerBidiReactor<v1::StreamDeformRequest, v1::StreamDeformResponse>* StreamDeform(
+      Context* context) override {
+    return rpc::StreamDeform(backend_.engine, backend_.identity, context);
+  }
+
+ private:
+  const Backend backend_;
+};
+
+}  // namespace
+
+NamedService MakeDeformationService(const Backend& backend) {
+  return {v1::DeformationService::service_full_name(),
+          std::make_unique<DeformationServiceImpl>(backend)};
+}
+
+}  // namespace arap::rpc

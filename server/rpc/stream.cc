@@ -1,0 +1,361 @@
+#include "server/rpc/stream.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <arap/v1/deformation_service.pb.h>
+#include <fmt/format.h>
+#include <grpcpp/server_context.h>
+
+#include "core/base/mutex.h"
+#include "core/base/try.h"
+#include "server/engine.h"
+#include "server/rpc/caller_of.h"
+#include "server/rpc/convert_handles.h"
+#include "server/rpc/convert_shape.h"
+#include "server/rpc/rpc_log.h"
+#include "server/rpc/status_map.h"
+#include "server/runtime/stopwatch.h"
+#include "server/sessions/names.h"
+#include "server/sessions/warm.h"
+#include "server/streams/live_set.h"
+#include "server/streams/stream_policy.h"
+
+namespace arap::rpc {
+namespace {
+
+struct Answer final : app::WireAnswer {
+  v1::StreamDeformResponse message;
+};
+
+// The policy's view of a message: what it points to stays in `request`.
+app::StreamMessage View(const v1::StreamDeformRequest& request, const app::Limits& limits) {
+  using Request = v1::StreamDeformRequest;
+  app::StreamMessage out;
+  out.bytes = request.ByteSizeLong();
+  if (out.bytes > limits.max_message_bytes) return out;
+  switch (request.payload_case()) {
+    case Request::kOpen:
+      out.payload = app::StreamMessage::Open{};
+      break;
+    case Request::kUpdate: {
+      const v1::HandleUpdate& update = request.update();
+      out.payload = app::StreamMessage::Update{
+          update.sequence(), FromWire(update.targets()),
+          std::span(update.positions().data(), static_cast<std::size_t>(update.positions_size())),
+          PicksFromWire(update.pick_points())};
+      break;
+    }
+    case Request::kEdit: {
+      const auto& add = request.edit().add();
+      out.payload = app::StreamMessage::Edit{
+          request.edit().sequence(), static_cast<std::size_t>(add.size()),
+          std::any_of(add.begin(), add.end(),
+                      [](const v1::Handle& handle) { return handle.area_radius() != 0; })};
+      break;
+    }
+    case Request::kPing:
+      out.payload = app::StreamMessage::Ping{request.ping().nonce()};
+      break;
+    case Request::PAYLOAD_NOT_SET:
+      break;
+  }
+  return out;
+}
+
+// Reactions, jobs, End and Sweep may run in parallel. Each tells the policy what has happened and
+// pumps: does what the policy says next. Jobs and drains hold a shared pointer, so that nothing is
+// deleted under them.
+class StreamReactor final
+    : public grpc::ServerBidiReactor<v1::StreamDeformRequest, v1::StreamDeformResponse>,
+      public app::LongCall,
+      public std::enable_shared_from_this<StreamReactor> {
+ public:
+  StreamReactor(app::Engine& engine, grpc::CallbackServerContext* context, app::Caller caller)
+      : engine_(engine),
+        context_(context),
+        caller_(std::move(caller)),
+        policy_(engine.limits, engine.clock,
+                [&engine](double share) {
+                  return engine.load.Admit(share, engine.interactive.stats().busy,
+                                           engine.clock.SteadyNow());
+                }),
+        log_("StreamDeform", "", false, &engine.metrics) {
+    log_.Owner(caller_.owner);
+  }
+
+  // `admitted`: what CallerOf says. `identity` is looked at before this returns. Nothing is
+  // delivered, and OnDone not called, before the RPC's method has returned.
+  void Start(const Identity& identity, const Status& admitted) {
+    self_ = shared_from_this();
+    const Status added = admitted ? engine_.streams.Add(self_, caller_) : admitted;
+    {
+      const MutexLock lock(&mutex_);
+      if (!added) policy_.End(added.error());
+      Pump();
+    }
+    if (!added) return;
+    watch_ = WatchCaller(*context_, identity, caller_, [weak = weak_from_this()](Fault lost) {
+      if (const auto self = weak.lock()) self->End(std::move(lost));
+    });
+  }
+
+  void OnReadDone(bool ok) override {
+    const MutexLock lock(&mutex_);
+    ok ? policy_.MessageRead(View(incoming_, engine_.limits)) : policy_.HalfClosed();
+    Pump();
+  }
+
+  void OnWriteDone(bool ok) override {
+    const MutexLock lock(&mutex_);
+    policy_.Written(ok);
+    Pump();
+  }
+
+  void OnCancel() override {
+    const MutexLock lock(&mutex_);
+    policy_.Cancelled();
+    Pump();
+  }
+
+  void End(Fault reason) override {
+    const MutexLock lock(&mutex_);
+    policy_.End(std::move(reason));
+    Pump();
+  }
+
+  void Sweep(runtime::Clock::Steady now) override {
+    const MutexLock lock(&mutex_);
+    if (policy_.Sweep(now)) context_->TryCancel();
+    Pump();
+  }
+
+  void OnDone() override {
+    engine_.streams.Remove(this);
+    watch_ = {};
+    const std::shared_ptr<StreamReactor> self = std::move(self_);
+    {
+      const MutexLock lock(&mutex_);
+      const auto& counts = policy_.counts();
+      log_.End(end_status_, fmt::format(" shapes={} replaced={} errors={}", counts.shapes,
+                                        counts.replaced, counts.errors));
+    }
+    if (session_) session_->RemoveEndListener(end_listener_);
+  }
+
+ private:
+  void Pump() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    for (;;) {
+      app::StreamStep step = policy_.Next();
+      if (std::holds_alternative<app::StreamRead>(step)) {
+        StartRead(&incoming_);
+      } else if (auto* job = std::get_if<app::StreamJob>(&step)) {
+        StartJob(std::move(*job));
+      } else if (auto* write = std::get_if<app::StreamWrite>(&step)) {
+        Write(std::move(write->answer));
+      } else if (auto* finish = std::get_if<app::StreamFinish>(&step)) {
+        end_status_ = std::move(finish->status);
+        Finish(end_status_ ? grpc::Status::OK : ToGrpcStatus(end_status_.error()));
+      } else {
+        return;
+      }
+    }
+  }
+
+  void Write(app::StreamAnswer answer) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    using Kind = app::StreamAnswer::Kind;
+    outgoing_.reset(static_cast<Answer*>(answer.message.release()));
+    if (!outgoing_) outgoing_ = std::make_unique<Answer>();
+    v1::StreamDeformResponse& message = outgoing_->message;
+    if (answer.kind == Kind::kPong) message.mutable_pong()->set_nonce(answer.nonce);
+    if (answer.kind == Kind::kShape) {
+      message.mutable_shape()->set_sequence(answer.sequence);
+      message.mutable_shape()->set_replaced(answer.replaced);
+      engine_.metrics.Coalesced(answer.replaced);
+    }
+    if (answer.kind == Kind::kError) {
+      CountRefusal(*answer.fault, engine_.metrics);
+      message.mutable_error()->set_sequence(answer.sequence);
+      *message.mutable_error()->mutable_status() = ToRpcStatus(*answer.fault);
+    }
+    StartWrite(&message);
+  }
+
+  void StartJob(app::StreamJob job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    using Work = app::StreamJob::Work;
+    job_ = std::move(job);
+    void (StreamReactor::*run)() = &StreamReactor::RunUpdate;
+    if (job_.work == Work::kOpen) {
+      run = &StreamReactor::RunFind;
+      open_ = std::move(*incoming_.mutable_open());
+      log_.Opened(open_.session_id());
+    } else if (job_.work == Work::kEdit) {
+      run = &StreamReactor::RunEdit;
+      edit_ = std::move(*incoming_.mutable_edit());
+    }
+    if (!Post(job_.lane, run)) policy_.NoRoom();
+  }
+
+  bool Post(app::StreamJob::Lane lane, void (StreamReactor::*job)()) {
+    auto run = [self = shared_from_this(), job] { (self.get()->*job)(); };
+    switch (lane) {
+      case app::StreamJob::Lane::kControl:
+        return engine_.control.TryPost(std::move(run));
+      case app::StreamJob::Lane::kFrames:
+        // Whoever was let in does not wait, and is not refused, because of the calls of others.
+        return engine_.interactive.PostUrgent(std::move(run));
+      case app::StreamJob::Lane::kJobs:
+        break;
+    }
+    return engine_.jobs.TryPost(std::move(run));
+  }
+
+  // The bodies of the jobs, without mutex_.
+
+  // The store may be slow and what was evicted has to be computed again: neither on the lane of
+  // frames.
+  void RunFind() {
+    auto session = engine_.sessions.Use(caller_.owner, open_.session_id());
+    if (session) {
+      session_ = *std::move(session);
+      if (app::IsWarmHandleSet(engine_, *session_, open_.handle_set_id())) return RunOpen();
+      if (Post(app::StreamJob::Lane::kJobs, &StreamReactor::RunOpen)) return;
+    }
+    const MutexLock lock(&mutex_);
+    policy_.Failed(session ? app::Overloaded() : std::move(session.error()));
+    Pump();
+  }
+
+  void RunOpen() {
+    const Status opened = Open();
+    auto answer = std::make_unique<Answer>();
+    app::LiveHandles set;
+    if (opened) {
+      ToWire(live_->entry(), answer->message.mutable_opened()->mutable_handle_set());
+      set = {live_->entry().handles, live_->entry().handles->RestTargets()};
+    }
+    const MutexLock lock(&mutex_);
+    if (opened) {
+      policy_.Opened(
+          std::move(set), open_.delivery() != v1::DELIVERY_EVERY,
+          [session = session_] { return session->Touch(); }, std::move(answer));
+    } else {
+      policy_.Failed(opened.error());
+    }
+    Pump();
+  }
+
+  Status Open() {
+    TRY(auto entry, app::WarmHandleSet(engine_, caller_, *session_, open_.handle_set_id(),
+                                       CancelTokenOf(context_)));
+    TRY(options_, FromWire(open_.options(), engine_.limits));
+    if (!v1::Delivery_IsValid(open_.delivery())) {
+      return Fail(Fault(FaultKind::kInvalidOption,
+                        "open.delivery has a value that this version does not know.")
+                      .Field("open.delivery")
+                      .Detail("value", static_cast<int>(open_.delivery())));
+    }
+    const std::size_t vertices = entry.handles->mesh()->mesh().vertices.size();
+    const auto refine = static_cast<std::size_t>(options_.deform.refine);
+    {
+      const MutexLock lock(&mutex_);
+      CHECK_OK(policy_.AdmitFrames(app::FrameSeconds(vertices, refine)));
+    }
+    end_listener_ = session_->AddEndListener(
+        [weak = weak_from_this(), ended = app::NotFound("session", open_.session_id())] {
+          if (const auto self = weak.lock()) self->End(ended);
+        });
+    live_.emplace(std::move(entry));
+    return {};
+  }
+
+  void RunUpdate() {
+    const double queue_micros = job_.waiting.Micros();
+    const runtime::Stopwatch working;
+    auto answer = std::make_unique<Answer>();
+    v1::Shape& shape = *answer->message.mutable_shape();
+    const auto make = [&]() -> Status {
+      TRY(const auto quality, live_->Move(job_.targets, options_.deform, engine_.metrics));
+      CHECK_OK(Fill(*live_, quality, working, queue_micros, shape));
+      PicksToWire(live_->deformer(), job_.picks, &shape);
+      return {};
+    };
+    const Status made = make();
+    const MutexLock lock(&mutex_);
+    made ? policy_.Moved(std::move(answer)) : policy_.Failed(made.error());
+    Pump();
+  }
+
+  void RunEdit() {
+    const double queue_micros = job_.waiting.Micros();
+    const runtime::Stopwatch working;
+    auto answer = std::make_unique<Answer>();
+    const auto make = [&]() -> Result<app::EditedSet> {
+      TRY(const auto add, FromWire(edit_.add(), "add"));
+      TRY(auto edited,
+          live_->Edited({edit_.remove().begin(), edit_.remove().end()}, add, job_.targets,
+                        options_.deform, engine_.limits, CancelTokenOf(context_), engine_.metrics));
+      CHECK_OK(Fill(edited.set, edited.quality, working, queue_micros,
+                    *answer->message.mutable_shape()));
+      return edited;
+    };
+    auto made = make();
+    if (made) live_.emplace(std::move(made->set));
+    const MutexLock lock(&mutex_);
+    if (made) {
+      policy_.Edited({live_->entry().handles, std::move(made->targets)}, std::move(answer));
+    } else {
+      policy_.Failed(std::move(made.error()));
+    }
+    Pump();
+  }
+
+  // All of a shape that is known before its turn to be written.
+  Status Fill(const app::LiveSet& set, const ShapeQuality& quality,
+              const runtime::Stopwatch& working, double queue_micros, v1::Shape& shape) const {
+    CHECK_OK(ToWire(set.deformer(), quality, options_, &shape));
+    shape.set_handle_set_revision(set.entry().revision);
+    shape.set_queue_micros(queue_micros);
+    shape.set_solve_micros(working.Micros());
+    return {};
+  }
+
+  app::Engine& engine_;
+  grpc::CallbackServerContext* const context_;
+  const app::Caller caller_;
+  app::TokenWatch watch_;                // from Start until OnDone
+  std::shared_ptr<StreamReactor> self_;  // likewise
+
+  Mutex mutex_;
+  app::StreamPolicy policy_ ABSL_GUARDED_BY(mutex_);
+  // gRPC's while it reads and writes.
+  v1::StreamDeformRequest incoming_ ABSL_GUARDED_BY(mutex_);
+  std::unique_ptr<Answer> outgoing_ ABSL_GUARDED_BY(mutex_);
+  RpcLog log_ ABSL_GUARDED_BY(mutex_);
+  Status end_status_ ABSL_GUARDED_BY(mutex_);
+
+  // The running job's own; when none runs, of whoever holds mutex_.
+  app::StreamJob job_;
+  v1::OpenStream open_;
+  v1::HandleEdit edit_;
+  std::shared_ptr<app::Session> session_;
+  std::uint64_t end_listener_ = 0;
+  ShapeOptions options_;
+  std::optional<app::LiveSet> live_;
+};
+
+}  // namespace
+
+grpc::ServerBidiReactor<v1::StreamDeformRequest, v1::StreamDeformResponse>* StreamDeform(
+    app::Engine& engine, const Identity& identity, grpc::CallbackServerContext* context) {
+  auto caller = CallerOf(*context, identity);
+  const auto reactor =
+      std::make_shared<StreamReactor>(engine, context, caller.value_or(app::Caller{}));
+  reactor->Start(identity, caller ? Status() : Fail(std::move(caller.error())));
+  return reactor.get();
+}
+
+}  // namespace arap::rpc

@@ -1,0 +1,203 @@
+// StreamPolicy: the rules of one live stream, without the wire.
+//
+// It is told what has happened (a message was read, a job or a write has ended, time has passed)
+// and says what to do next. Whoever drives it reads, writes and runs jobs; it keeps these rules:
+//   - The first message opens, exactly once. What breaks this, or is empty or too large, ends the
+//     stream.
+//   - A message that was read is held until it can be taken; nothing is read meanwhile, nor while a
+//     pong waits to be written.
+//   - LATEST takes an update at once, in the place of one that has not started; the next shape
+//     counts those replaced. EVERY takes an update when the one before it has started, so that
+//     every one is answered.
+//   - One job at a time. An update starts when no answer waits for the write before it; with LATEST
+//     also when the shape that waits may be replaced.
+//   - Answers keep the order of the messages: an edit, and a message that is refused, is taken when
+//     everything before it is answered. Pongs go before all answers.
+//   - An update moves the handles that it names; the others keep their last target, at first where
+//     they rest. A refused one moves nothing. Targets given as positions leave the angles and
+//     scales of oriented handles as they are.
+//   - An edit changes the set of this stream only; nothing else is taken until it is done.
+//   - At most max_stream_fps updates a second are taken after a burst of as many, and a stream that
+//     wakes up is admitted again (admission.h). What is too much waits as long as answers are under
+//     way, and is refused when there are none.
+//   - Updates and edits extend the life of the session; when that is over, the stream ends.
+//   - Nothing read for max_stream_idle ends the stream.
+//   - Once it ends nothing is taken or started. The job in work is waited for and what was computed
+//     is still written, except to a client that has gone.
+//   - After the client's half-close what is pending is answered and the end is OK.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "arap/base/result.h"
+#include "arap/core/compiled_handles.h"
+#include "server/budget/limits.h"
+#include "server/runtime/clock.h"
+#include "server/runtime/stopwatch.h"
+#include "server/streams/admission.h"
+#include "server/streams/stream_outbox.h"
+#include "server/streams/targets.h"
+
+namespace arap::app {
+
+// A message of the client. What of it is not for the policy stays where it was read.
+struct StreamMessage {
+  struct Open {};
+  struct Update {
+    std::uint64_t sequence = 0;
+    std::vector<NamedTarget> targets;    // any of the handles
+    std::span<const double> positions;   // or all of them in the order of the set, x y x y…
+    Result<std::vector<Complex>> picks;  // to be mapped back to rest
+  };
+  struct Edit {
+    std::uint64_t sequence = 0;
+    std::size_t added = 0;   // handles
+    bool has_areas = false;  // whether one of them holds an area
+  };
+  struct Ping {
+    std::uint64_t nonce = 0;
+  };
+
+  std::size_t bytes = 0;  // as it was sent
+  std::variant<std::monostate, Open, Update, Edit, Ping> payload;
+};
+
+// What to do next. Nothing: wait until something happens.
+struct StreamRead {};  // read the next message; the one before is needed no more
+struct StreamJob {     // run this job, and tell how it ended; there is no other meanwhile
+  enum class Work { kOpen, kUpdate, kEdit };
+  enum class Lane {
+    kControl,  // may wait for the store
+    kFrames,   // frames, and edits that cost about as much; never refused for a full queue
+    kJobs,     // what takes longer
+  };
+  Work work = Work::kOpen;
+  Lane lane = Lane::kControl;
+  std::uint64_t sequence = 0;       // kUpdate, kEdit
+  std::span<const Target> targets;  // kUpdate: to go to; kEdit: the last ones. Until the job ends.
+  std::vector<Complex> picks;       // kUpdate
+  runtime::Stopwatch waiting;       // since it was taken
+};
+struct StreamWrite {  // write this; no other write is under way
+  StreamAnswer answer;
+};
+struct StreamFinish {  // end the call; nothing comes after it
+  Status status;
+};
+using StreamStep = std::variant<std::monostate, StreamRead, StreamJob, StreamWrite, StreamFinish>;
+
+// A handle set with where its handles go: when the stream opens, and after an edit.
+struct LiveHandles {
+  std::shared_ptr<const CompiledHandles> handles;
+  std::vector<Target> targets;  // one per handle
+};
+
+// Not thread-safe. After each event ask Next until it answers nothing; do each step at once.
+class StreamPolicy {
+ public:
+  struct Counts {
+    std::uint64_t shapes = 0;
+    std::uint64_t replaced = 0;
+    std::uint64_t errors = 0;
+  };
+  // Whether there is time for frames that take this part of a worker (LoadGuard::Admit).
+  using Admit = std::function<Status(double share)>;
+  // Extends the life of the session, or says that it is over (Session::Touch).
+  using Touch = std::function<Status()>;
+
+  // `limits` and `clock` outlive it.
+  StreamPolicy(const Limits& limits, const runtime::Clock& clock, Admit admit);
+
+  // What happens on the wire. The ids and positions of a message stay as they are until the next
+  // StreamRead.
+  void MessageRead(StreamMessage message);
+  void HalfClosed();       // nothing more is to be read
+  void Written(bool ok);   // the write has ended; false: nobody reads any more
+  void Cancelled();        // the client has gone
+  void End(Fault reason);  // from outside: the session is over, the server drains. The first counts
+  // Time has passed. True when the call is to be cancelled: who says nothing for too long may not
+  // read either, and a write that never ends must not keep the stream.
+  [[nodiscard]] bool Sweep(runtime::Clock::Steady now);
+
+  // How the job ended. Every one ends with one of these.
+  void NoRoom();  // its lane was full: it has not run
+  void Opened(LiveHandles set, bool latest, Touch touch, std::unique_ptr<WireAnswer> answer);
+  void Moved(std::unique_ptr<WireAnswer> shape);
+  void Edited(LiveHandles set, std::unique_ptr<WireAnswer> shape);
+  void Failed(Fault fault);  // an open ends the stream, the others are answered
+  // Before Opened: whether the stream may join those that are open.
+  Status AdmitFrames(double frame_seconds);
+
+  StreamStep Next();
+
+  const Counts& counts() const { return counts_; }
+
+ private:
+  // An update that was taken and has not started.
+  struct Accepted {
+    std::uint64_t sequence = 0;
+    std::vector<Complex> picks;
+    runtime::Stopwatch waiting;
+  };
+
+  // Each takes the held message, or leaves it held and answers false.
+  bool Take();
+  bool TakeUpdate(StreamMessage::Update& update);
+  bool TakeEdit(const StreamMessage::Edit& edit);
+  // Refuses the held message, when it is its turn.
+  bool RefuseInTurn(std::uint64_t sequence, const Fault& fault);
+  // Whether rate and load allow an update now; takes the rate's token.
+  Status Grant();
+  // The targets after the update, in merged_.
+  Status Merge(const StreamMessage::Update& update);
+  std::optional<StreamJob> Begin();
+  std::optional<Status> Over() const;
+
+  void Start(StreamJob job);
+  void Refuse(std::uint64_t sequence, Fault fault);
+  bool idle() const { return !work_ && !next_ && outbox_.empty(); }
+  bool ending() const { return end_.has_value() || cancelled_ || finished_; }
+
+  const Limits& limits_;
+  const runtime::Clock& clock_;
+  const Admit admit_;
+  Touch touch_;
+
+  std::optional<StreamMessage> held_;
+  std::optional<Fault> held_fault_;  // what is wrong with it, once that is known
+  bool granted_ = false;             // it has its token
+  bool reading_ = false;
+  bool reads_done_ = false;
+  runtime::Clock::Steady heard_;  // when the client last said something
+  TokenBucket rate_;
+  std::optional<StreamPace> pace_;  // since it was opened
+
+  bool opened_ = false;  // an open was taken
+  bool latest_ = true;
+  LiveHandles set_;             // the targets of the last update that was taken
+  std::vector<Target> merged_;  // see Merge
+  std::optional<Accepted> next_;
+  std::uint64_t replaced_ = 0;
+
+  std::optional<StreamJob::Work> work_;
+  std::optional<StreamJob> start_;  // taken, to be started
+  std::uint64_t job_sequence_ = 0;
+  std::uint64_t job_replaced_ = 0;
+  std::vector<Target> job_targets_;  // the running job's
+
+  StreamOutbox outbox_;
+  bool writing_ = false;
+  std::optional<Fault> end_;
+  bool cancelled_ = false;
+  bool finished_ = false;
+  Counts counts_;
+};
+
+}  // namespace arap::app
