@@ -9,7 +9,7 @@
 namespace arap {
 namespace {
 
-// Beyond this multiple of the mean a place is as good as any.
+// Curvature beyond this multiple of the mean makes a place no better.
 constexpr double kHigh = 3;
 
 }  // namespace
@@ -44,9 +44,9 @@ void CutField::Erase(std::uint32_t side) {
   --degree_[Start(side)], --degree_[End(side)];
 }
 
-void CutField::Measure(const Chart& chart) {
-  for (const std::uint32_t v : chart.vertices) curvature_[v] = 2 * std::numbers::pi;
-  for (const std::uint32_t t : chart.triangles) {
+void CutField::Measure(const Piece& piece) {
+  for (const std::uint32_t v : piece.vertices) curvature_[v] = 2 * std::numbers::pi;
+  for (const std::uint32_t t : piece.triangles) {
     const Triangle& c = split_.triangles[t];
     for (std::size_t k = 0; k < 3; ++k) {
       const Eigen::Vector3d a = Position(c[(k + 1) % 3]) - Position(c[k]);
@@ -55,16 +55,16 @@ void CutField::Measure(const Chart& chart) {
     }
   }
   double total = 0;
-  for (const std::uint32_t v : chart.vertices) {
+  for (const std::uint32_t v : piece.vertices) {
     curvature_[v] = OnRim(v) ? 0 : std::abs(curvature_[v]);
     total += curvature_[v];
   }
-  const double mean = std::max(total, 1.0) / static_cast<double>(chart.vertices.size());
-  for (const std::uint32_t v : chart.vertices) curvature_[v] /= mean;
+  const double mean = std::max(total, 1.0) / static_cast<double>(piece.vertices.size());
+  for (const std::uint32_t v : piece.vertices) curvature_[v] /= mean;
   const auto discount = [this](std::uint32_t v) {
     return 1 / (1 + std::min(curvature_[v], kHigh));
   };
-  for (const std::uint32_t t : chart.triangles) {
+  for (const std::uint32_t t : piece.triangles) {
     for (std::uint32_t side = 3 * t; side < 3 * t + 3; ++side) {
       const std::uint32_t a = Start(side), b = End(side);
       cost_[side] = 0.5 * (discount(a) + discount(b)) * (Position(b) - Position(a)).norm();

@@ -7,8 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "core/cut/chart.h"
-#include "core/cut/corners.h"
+#include "core/cut/pieces.h"
 #include "core/mesh/gluing.h"
 #include "core/mesh/space.h"
 
@@ -38,10 +37,10 @@ class CutField {
   // How many drawn edges end at a vertex.
   std::uint32_t Degree(std::uint32_t vertex) const { return degree_[vertex]; }
 
-  // Has to come before the two that follow, for every chart to be cut. O(F).
-  void Measure(const Chart& chart);
+  // Has to come before the two that follow, for every piece to be cut. O(F).
+  void Measure(const Piece& piece);
 
-  // |2π − the angles around|, 0 on the rim, as a multiple of the mean over the chart. The mean is
+  // |2π − the angles around|, 0 on the rim, as a multiple of the mean over the piece. The mean is
   // taken to be at least 1 / #vertices, so that rounding on a flat surface counts for nothing.
   double Curvature(std::uint32_t vertex) const { return curvature_[vertex]; }
 

@@ -5,14 +5,16 @@
 #include <limits>
 #include <numeric>
 
+#include "core/base/try.h"
+
 namespace arap {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kCheckEvery = 1u << 14;
 
-// Ends of the tree on a closed chart: at most this many, and none that counts less than this part
-// of what the second counted. Enough for every corner of a box.
+// A closed piece is cut along a tree of at most so many ends, enough for every corner of a box. A
+// further end must count at least this part of what the second one counted.
 constexpr std::size_t kMaxEnds = 8;
 constexpr double kWorthAnEnd = 0.2;
 // High curvature makes a place count up to this many times its distance more.
@@ -30,27 +32,27 @@ CutGraph::CutGraph(CutField& field, const CancelToken& cancel)
   std::iota(leader_.begin(), leader_.end(), 0u);
 }
 
-Result<std::vector<std::uint32_t>> CutGraph::Draw(const Chart& chart) {
-  ContractBoundaries(chart);
-  std::uint32_t root = chart.vertices.front();
-  if (chart.closed()) {
-    for (const std::uint32_t v : chart.vertices) {
+Result<std::vector<std::uint32_t>> CutGraph::Draw(const Piece& piece) {
+  ContractBoundaries(piece);
+  std::uint32_t root = piece.vertices.front();
+  if (piece.closed()) {
+    for (const std::uint32_t v : piece.vertices) {
       const double more = field_.Curvature(v) - field_.Curvature(root);
       if (more > 0 || (more == 0 && v < root)) root = v;
     }
   } else {
-    root = field_.Start(chart.boundary_starts.front());
+    root = field_.Start(piece.boundary_starts.front());
   }
   Reach(root, 0, kNone);
-  if (auto ok = Grow(); !ok) return Fail(std::move(ok.error()));
-  if (chart.closed() && chart.genus == 0) return DrawTree(chart);
-  for (const std::uint32_t side : chart.boundary_starts) DrawPathToRoot(field_.Start(side));
-  if (chart.genus > 0) DrawHandles(chart);
+  CHECK_OK(Grow());
+  if (piece.closed() && piece.genus == 0) return DrawTree(piece);
+  for (const std::uint32_t side : piece.boundary_starts) DrawPathToRoot(field_.Start(side));
+  if (piece.genus > 0) DrawHandles(piece);
   return std::vector<std::uint32_t>{};
 }
 
-void CutGraph::ContractBoundaries(const Chart& chart) {
-  for (const std::uint32_t start : chart.boundary_starts) {
+void CutGraph::ContractBoundaries(const Piece& piece) {
+  for (const std::uint32_t start : piece.boundary_starts) {
     std::uint32_t side = start;
     do {
       leader_[field_.Start(side)] = field_.Start(start);
@@ -59,7 +61,7 @@ void CutGraph::ContractBoundaries(const Chart& chart) {
   }
 }
 
-// Through `side`, which ends at `vertex`.
+// Notes that `vertex` can be reached through `side`, at this distance from the root.
 void CutGraph::Reach(std::uint32_t vertex, double distance, std::uint32_t side) {
   const std::uint32_t leader = leader_[vertex];
   if (distance >= distance_[leader]) return;
@@ -77,7 +79,7 @@ Status CutGraph::Grow() {
   };
   for (std::size_t step = 1; !queue_.empty(); ++step) {
     if (step % kCheckEvery == 0) {
-      if (auto ok = cancel_.Check(); !ok) return ok;
+      CHECK_OK(cancel_.Check());
     }
     const auto [distance, vertex] = queue_.top();
     queue_.pop();
@@ -86,7 +88,7 @@ Status CutGraph::Grow() {
       leave(vertex, distance);
       continue;
     }
-    // A whole boundary loop. Nothing of this chart has been drawn yet: what is open is the rim.
+    // A whole boundary loop. Nothing of this piece has been drawn yet: what is open is the rim.
     const std::uint32_t start = field_.Leaving(vertex);
     std::uint32_t side = start;
     do {
@@ -110,15 +112,15 @@ void CutGraph::DrawPathToRoot(std::uint32_t vertex) {
   }
 }
 
-// The edges outside the tree are crossed by the cotree, those with the dearest loops to the root
-// first. What neither holds are two loops for every handle.
-void CutGraph::DrawHandles(const Chart& chart) {
+// The cotree crosses the edges outside the tree, those with the dearest loops to the root first. An
+// edge that neither holds closes a loop round a handle or through it: two for every handle.
+void CutGraph::DrawHandles(const Piece& piece) {
   struct Crossing {
     double loop;
     std::uint32_t side;
   };
   std::vector<Crossing> crossings;
-  for (const std::uint32_t t : chart.triangles) {
+  for (const std::uint32_t t : piece.triangles) {
     for (std::uint32_t side = 3 * t; side < 3 * t + 3; ++side) {
       if (field_.Rim(side)) continue;
       const std::uint32_t mate = field_.gluing().mate[side];
@@ -157,16 +159,16 @@ std::uint32_t CutGraph::DrawSecondEdge(std::uint32_t vertex, std::uint32_t back)
 
 // From the root to the place that is farthest and most curved, then from there to the next, as long
 // as it is worth it.
-Result<std::vector<std::uint32_t>> CutGraph::DrawTree(const Chart& chart) {
+Result<std::vector<std::uint32_t>> CutGraph::DrawTree(const Piece& piece) {
   std::vector<std::uint32_t> ends;
-  for (const std::uint32_t v : chart.vertices) {
+  for (const std::uint32_t v : piece.vertices) {
     if (parent_[v] == kNone) ends.push_back(v);  // the root
   }
   double least = 0;
   while (ends.size() < kMaxEnds) {
     double most = -1;
     std::uint32_t end = kNone;
-    for (const std::uint32_t v : chart.vertices) {
+    for (const std::uint32_t v : piece.vertices) {
       if (parent_[v] == kNone) continue;
       const double counts = distance_[v] * (1 + std::min(field_.Curvature(v), kHigh));
       if (counts > most || (counts == most && v < end)) most = counts, end = v;
@@ -186,7 +188,7 @@ Result<std::vector<std::uint32_t>> CutGraph::DrawTree(const Chart& chart) {
       Reach(v, 0, kNone);
       parent_[v] = kNone;
     }
-    if (auto ok = Grow(); !ok) return Fail(std::move(ok.error()));
+    CHECK_OK(Grow());
   }
   return ends;
 }

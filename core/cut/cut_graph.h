@@ -1,4 +1,4 @@
-// Cut graphs: edges that turn a chart into a disk when it is cut along them.
+// Cut graphs: edges that turn a piece into a disk when it is cut along them.
 #pragma once
 
 #include <cstdint>
@@ -8,30 +8,30 @@
 
 #include "arap/base/cancel.h"
 #include "arap/base/result.h"
-#include "core/cut/chart.h"
 #include "core/cut/cut_field.h"
+#include "core/cut/pieces.h"
 #include "core/mesh/union_find.h"
 
 namespace arap {
 
 // Draws cut graphs by a tree of cheapest paths and a cotree of dearest crossings [Erickson and
 // Whittlesey 2005]: all boundaries and handles are joined to one root by cheapest paths. A closed
-// chart without handles is cut along a tree that reaches its farthest and most curved places.
+// piece without handles is cut along a tree that reaches its farthest and most curved places.
 class CutGraph {
  public:
-  // Refers to both. O(#V + #F) memory for all charts together.
+  // Refers to both. O(#V + #F) memory for all pieces together.
   CutGraph(CutField& field, const CancelToken& cancel);
 
-  // Returns the ends of the tree of a closed chart without handles, which are part of the cut for
-  // their own sake; nothing for others. The chart must have been measured. O(F log F).
-  Result<std::vector<std::uint32_t>> Draw(const Chart& chart);
+  // Returns the ends of the tree of a closed piece without handles, which are part of the cut for
+  // their own sake; nothing for others. The piece must have been measured. O(F log F).
+  Result<std::vector<std::uint32_t>> Draw(const Piece& piece);
 
  private:
-  void ContractBoundaries(const Chart& chart);
+  void ContractBoundaries(const Piece& piece);
   void Reach(std::uint32_t vertex, double distance, std::uint32_t side);
   Status Grow();
-  void DrawHandles(const Chart& chart);
-  Result<std::vector<std::uint32_t>> DrawTree(const Chart& chart);
+  void DrawHandles(const Piece& piece);
+  Result<std::vector<std::uint32_t>> DrawTree(const Piece& piece);
   std::uint32_t DrawSecondEdge(std::uint32_t vertex, std::uint32_t back);
   void DrawPathToRoot(std::uint32_t vertex);
   bool InTree(std::uint32_t side) const;

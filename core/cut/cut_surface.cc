@@ -2,27 +2,91 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "core/cut/auto_cut.h"
-#include "core/cut/chart.h"
-#include "core/cut/corners.h"
-#include "core/cut/seams.h"
+#include "core/base/try.h"
+#include "core/cut/cut_field.h"
+#include "core/cut/cut_graph.h"
+#include "core/cut/pieces.h"
+#include "core/cut/shorten.h"
 #include "core/mesh/gluing.h"
 #include "core/mesh/space.h"
 
 namespace arap {
 namespace {
 
-Fault Advised(Fault fault, const char* advice) {
-  fault.message += "; ";
-  fault.message += advice;
+// The edges that the caller wants cut.
+struct Seams {
+  std::vector<std::span<const Side>> edges;  // in the order given, each once, all its sides
+  std::vector<std::uint32_t> on_boundary;    // entries that name an edge of one triangle
+};
+
+// kUnknownEdge for an entry that is no edge. The spans point into `sides` (SortedSides).
+Result<Seams> FindSeams(std::span<const std::array<std::uint32_t, 2>> entries,
+                        std::span<const Side> sides) {
+  Seams seams;
+  std::vector<bool> taken(entries.empty() ? 0 : sides.size(), false);  // the first side of an edge
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const auto [low, high] = std::minmax(entries[i][0], entries[i][1]);
+    const Side wanted{low, high, 0};
+    const auto begin = std::lower_bound(
+        sides.begin(), sides.end(), wanted,
+        [](const Side& a, const Side& b) { return a.v0 != b.v0 ? a.v0 < b.v0 : a.v1 < b.v1; });
+    if (begin == sides.end() || !begin->SameEdge(wanted)) {
+      return Fail(Fault(FaultKind::kUnknownEdge,
+                        fmt::format("Seam {} runs from vertex {} to vertex {}, which is no edge of "
+                                    "the mesh.",
+                                    i, entries[i][0], entries[i][1]))
+                      .Field(fmt::format("seams[{}]", i))
+                      .Elements({entries[i][0], entries[i][1]}));
+    }
+    const auto first = static_cast<std::size_t>(begin - sides.begin());
+    if (taken[first]) continue;
+    taken[first] = true;
+    auto end = begin;
+    while (end != sides.end() && end->SameEdge(wanted)) ++end;
+    if (end - begin == 1) {
+      seams.on_boundary.push_back(static_cast<std::uint32_t>(i));
+    } else {
+      seams.edges.emplace_back(begin, end);
+    }
+  }
+  return seams;
+}
+
+// Cuts `gluing` until every piece is a disk. `split` and `pieces` belong to it as it comes. Returns
+// the lower side of every edge that was cut, ascending. O(#F log #F).
+Result<std::vector<std::uint32_t>> CutToDisks(std::span<const Point3> input_vertices,
+                                              const SplitVertices& split,
+                                              std::span<const Piece> pieces, Gluing& gluing,
+                                              const CancelToken& cancel) {
+  CutField field(input_vertices, split, gluing);
+  CutGraph graph(field, cancel);
+  CutShortener shortener(field, cancel);
+  for (const Piece& piece : pieces) {
+    if (piece.disk()) continue;
+    field.Measure(piece);
+    TRY(const auto ends, graph.Draw(piece));
+    CHECK_OK(shortener.Shorten(piece, ends));
+  }
+  std::vector<std::uint32_t> cut;
+  for (std::uint32_t side = 0; side < gluing.mate.size(); ++side) {
+    if (field.Drawn(side) && side < gluing.mate[side]) cut.push_back(side);
+  }
+  return cut;
+}
+
+// Adds to the sentence of a fault what the caller can do about it.
+Fault Advised(Fault fault, std::string_view advice) {
+  if (fault.message.ends_with('.')) fault.message.pop_back();
+  fault.message += fmt::format("; {}.", advice);
   return fault;
 }
 
-// The surface on its way: the input triangles, turned as far as known, and what joins them.
+// Cuts one surface step by step: its triangles, turned as far as is known, and what joins them.
 class Cutter {
  public:
   Cutter(SurfaceMesh mesh, const CutOptions& options, const MeshLimits& limits,
@@ -35,9 +99,9 @@ class Cutter {
     using Step = Status (Cutter::*)();
     for (const Step step :
          {&Cutter::TakeSides, &Cutter::CheckEdges, &Cutter::CheckVertices, &Cutter::CheckAreas,
-          &Cutter::Orient, &Cutter::Part, &Cutter::CheckCharts, &Cutter::Finish}) {
-      if (auto ok = cancel_.Check(); !ok) return Fail(std::move(ok.error()));
-      if (auto ok = (this->*step)(); !ok) return Fail(std::move(ok.error()));
+          &Cutter::Orient, &Cutter::Part, &Cutter::CheckPieces, &Cutter::Finish}) {
+      CHECK_OK(cancel_.Check());
+      CHECK_OK((this->*step)());
     }
     return std::move(result_);
   }
@@ -46,17 +110,16 @@ class Cutter {
   const std::vector<Triangle>& triangles() const { return result_.mesh.triangles; }
 
   Status TakeSides() {
-    if (auto ok = CheckArrays(result_.mesh, limits_); !ok) return ok;
+    CHECK_OK(CheckArrays(result_.mesh, limits_));
     sides_ = SortedSides(vertices_, triangles());
     return CheckDuplicates(triangles(), sides_);
   }
 
   // Joins all edges of two triangles but the seams.
   Status CheckEdges() {
-    auto seams = FindSeams(options_.seams, sides_);
-    if (!seams) return Fail(std::move(seams.error()));
+    TRY(auto seams, FindSeams(options_.seams, sides_));
     gluing_ = GlueAll(sides_);
-    for (const auto edge : seams->edges) {
+    for (const auto edge : seams.edges) {
       for (const Side& side : edge) gluing_.cut[side.index] = true;
     }
     std::vector<std::uint32_t> crowded;  // triangles on edges of three and more
@@ -78,10 +141,10 @@ class Cutter {
                            "triangles",
                            split_edges_, crowded.size()),
                result_.warnings);
-    AddWarning("boundary_seams", seams->on_boundary,
-               fmt::format("{} seams lie on the boundary already", seams->on_boundary.size()),
+    AddWarning("boundary_seams", seams.on_boundary,
+               fmt::format("{} seams lie on the boundary already", seams.on_boundary.size()),
                result_.warnings);
-    seams_ = std::move(seams->edges);
+    seams_ = std::move(seams.edges);
     return {};
   }
 
@@ -96,15 +159,13 @@ class Cutter {
                  result_.warnings);
       return {};
     }
-    Fault fault =
-        Fault(FaultKind::kNonManifoldVertex,
-              fmt::format("parts of the surface touch in vertex {} only ({} such vertices in "
-                          "all); split_non_manifold gives each part its own",
-                          touching.front(), touching.size()))
-            .Field("mesh.triangles");
-    for (const std::uint32_t v : touching) fault.Element(v);
-    fault.Detail("count", fmt::to_string(touching.size()));
-    return Fail(std::move(fault));
+    return Fail(Fault(FaultKind::kNonManifoldVertex,
+                      fmt::format("Parts of the surface touch in vertex {} only ({} such vertices "
+                                  "in all); split_non_manifold gives each part its own.",
+                                  touching.front(), touching.size()))
+                    .Field("mesh.triangles")
+                    .Elements(touching)
+                    .Detail("count", touching.size()));
   }
 
   Status CheckAreas() {
@@ -129,21 +190,20 @@ class Cutter {
   }
 
   Status Orient() {
-    auto turned = TrianglesToTurn(triangles(), gluing_);
-    if (!turned) return Fail(std::move(turned.error()));
-    TurnTriangles(*turned, result_.mesh.triangles, gluing_);
+    TRY(auto turned, TrianglesToTurn(triangles(), gluing_));
+    TurnTriangles(turned, result_.mesh.triangles, gluing_);
     // The seams' sides are numbered anew as well.
     for (Side& side : sides_) {
-      if ((*turned)[side.triangle()] && side.corner() != 0) {
+      if (turned[side.triangle()] && side.corner() != 0) {
         side.index = 3 * side.triangle() + 3 - side.corner();
       }
     }
-    WarnTurned(*turned, result_.warnings);
-    result_.turned = std::move(*turned);
+    WarnTurned(turned, result_.warnings);
+    result_.turned = std::move(turned);
     return {};
   }
 
-  // Doubles the vertices, and forgets the seams that part nothing.
+  // Doubles the vertices along what was cut; seams that part nothing become warnings.
   Status Part() {
     split_ = Split(vertices_, triangles(), gluing_);
     std::vector<std::uint32_t> ineffective;
@@ -166,35 +226,35 @@ class Cutter {
     return {};
   }
 
-  Status CheckCharts() {
-    const auto charts = FindCharts(split_.source.size(), split_.triangles, gluing_);
-    if (auto ok = CheckChartAreas(charts); !ok) return ok;
-    if (!options_.auto_cut) return CheckPlanar(charts);
-    if (std::all_of(charts.begin(), charts.end(), [](const Chart& c) { return c.disk(); })) {
+  Status CheckPieces() {
+    const auto pieces = FindPieces(split_.source.size(), split_.triangles, gluing_);
+    CHECK_OK(CheckPieceAreas(pieces));
+    if (!options_.auto_cut) return CheckPlanar(pieces);
+    if (std::all_of(pieces.begin(), pieces.end(), [](const Piece& c) { return c.disk(); })) {
       return {};
     }
-    const auto cut = CutToDisks(result_.mesh.vertices, split_, charts, gluing_, cancel_);
-    if (!cut) return Fail(cut.error());
-    for (const std::uint32_t side : *cut) {
+    TRY(const auto cut, CutToDisks(result_.mesh.vertices, split_, pieces, gluing_, cancel_));
+    for (const std::uint32_t side : cut) {
       const auto [low, high] =
           std::minmax({SideStart(triangles(), side), SideEnd(triangles(), side)});
       result_.cuts.push_back({low, high});
     }
-    result_.auto_cuts = cut->size();
+    result_.auto_cuts = cut.size();
     split_ = Split(vertices_, triangles(), gluing_);
-    for (const Chart& chart : FindCharts(split_.source.size(), split_.triangles, gluing_)) {
-      if (chart.disk()) continue;
-      return Fail(FaultKind::kInternal, "an automatic cut left a chart " + chart.Describe());
+    for (const Piece& piece : FindPieces(split_.source.size(), split_.triangles, gluing_)) {
+      if (piece.disk()) continue;
+      return Fail(FaultKind::kInternal,
+                  fmt::format("An automatic cut left a piece that is {}.", piece.Describe()));
     }
     return {};
   }
 
-  Status CheckChartAreas(const std::vector<Chart>& charts) const {
+  Status CheckPieceAreas(const std::vector<Piece>& pieces) const {
     if (result_.degenerate.empty()) return {};
     std::vector<bool> flat(triangles().size(), false);
     for (const std::uint32_t t : result_.degenerate) flat[t] = true;
-    for (const Chart& chart : charts) {
-      const auto& all = chart.triangles;
+    for (const Piece& piece : pieces) {
+      const auto& all = piece.triangles;
       if (std::all_of(all.begin(), all.end(), [&](std::uint32_t t) { return flat[t]; })) {
         return Fail(Advised(DegenerateFault(all), "nothing in its component has area"));
       }
@@ -202,25 +262,25 @@ class Cutter {
     return {};
   }
 
-  Status CheckPlanar(const std::vector<Chart>& charts) const {
+  Status CheckPlanar(const std::vector<Piece>& pieces) const {
     Fault fault = Fault(FaultKind::kNotADisk, "").Field("mesh.triangles");
-    const Chart* first = nullptr;
+    const Piece* first = nullptr;
     std::size_t count = 0;
-    for (const Chart& chart : charts) {
-      if (chart.planar()) continue;
-      if (first == nullptr) first = &chart;
-      fault.Element(chart.triangles.front());
+    for (const Piece& piece : pieces) {
+      if (piece.planar()) continue;
+      if (first == nullptr) first = &piece;
+      fault.Element(piece.triangles.front());
       ++count;
     }
     if (first == nullptr) return {};
     fault.message = fmt::format(
-        "the part of the surface with triangle {} is {}: it cannot be laid flat without a cut ({} "
-        "such parts of {}); give seams or set auto_cut",
-        first->triangles.front(), first->Describe(), count, charts.size());
-    fault.Detail("components", fmt::to_string(charts.size()))
-        .Detail("boundary_loops", fmt::to_string(first->boundary_starts.size()))
-        .Detail("genus", fmt::to_string(first->genus))
-        .Detail("euler_characteristic", fmt::to_string(first->euler));
+        "The part of the surface with triangle {} is {}: it cannot be laid flat without a cut ({} "
+        "such parts of {}); give seams or set auto_cut.",
+        first->triangles.front(), first->Describe(), count, pieces.size());
+    fault.Detail("components", pieces.size())
+        .Detail("boundary_loops", first->boundary_starts.size())
+        .Detail("genus", first->genus)
+        .Detail("euler_characteristic", first->euler);
     return Fail(std::move(fault));
   }
 

@@ -4,6 +4,8 @@
 #include <functional>
 #include <limits>
 
+#include "core/base/try.h"
+
 namespace arap {
 namespace {
 
@@ -13,7 +15,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kGain = 1e-9;
 constexpr double kSweepGain = 0.01;
 constexpr int kMaxSweeps = 10;
-// Settled vertices and visited sides per vertex of the chart.
+// Settled vertices and visited sides per vertex of the piece.
 constexpr std::size_t kWork = 8;
 constexpr std::size_t kCheckEvery = 1u << 14;
 
@@ -28,14 +30,14 @@ CutShortener::CutShortener(CutField& field, const CancelToken& cancel)
       distance_(field.vertex_count(), kInfinity),
       parent_(field.vertex_count(), kNone) {}
 
-Status CutShortener::Shorten(const Chart& chart, std::span<const std::uint32_t> ends) {
+Status CutShortener::Shorten(const Piece& piece, std::span<const std::uint32_t> ends) {
   for (const std::uint32_t v : ends) is_end_[v] = true;
-  const std::size_t budget = kWork * (chart.vertices.size() + 64);
+  const std::size_t budget = kWork * (piece.vertices.size() + 64);
   work_ = 0;
   for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
     double total = 0, gained = 0;
     std::vector<std::uint32_t> drawn;
-    for (const std::uint32_t t : chart.triangles) {
+    for (const std::uint32_t t : piece.triangles) {
       for (std::uint32_t side = 3 * t; side < 3 * t + 3; ++side) {
         if (!field_.Drawn(side) || side > field_.gluing().mate[side]) continue;
         drawn.push_back(side);
@@ -47,9 +49,8 @@ Status CutShortener::Shorten(const Chart& chart, std::span<const std::uint32_t> 
       if (!field_.Drawn(side) || tried_[side]) continue;
       if (work_ > budget) break;
       Stretch stretch = StretchThrough(side);
-      const auto gain = Improve(stretch);
-      if (!gain) return Fail(gain.error());
-      gained += *gain;
+      TRY(const double gain, Improve(stretch));
+      gained += gain;
       for (const std::uint32_t s : stretch) {
         const std::uint32_t lower = std::min(s, field_.gluing().mate[s]);
         tried_[lower] = true;
@@ -96,11 +97,10 @@ Result<double> CutShortener::Improve(Stretch& stretch) {
     field_.Erase(side);
   }
   const std::uint32_t from = field_.Start(stretch.front()), to = field_.End(stretch.back());
-  auto crossing =
-      CheapestCrossing(stretch.front(), field_.gluing().mate[stretch.back()], cost * (1 - kGain));
-  if (!crossing) return Fail(std::move(crossing.error()));
-  const bool found = !crossing->empty();
-  if (found) stretch = std::move(*crossing);
+  TRY(auto crossing,
+      CheapestCrossing(stretch.front(), field_.gluing().mate[stretch.back()], cost * (1 - kGain)));
+  const bool found = !crossing.empty();
+  if (found) stretch = std::move(crossing);
   for (const std::uint32_t side : stretch) field_.Draw(side);
   if (!found) return 0.0;
   Prune(from);
@@ -199,7 +199,7 @@ Result<CutShortener::Stretch> CutShortener::CheapestCrossing(std::uint32_t leavi
   touched_.clear();
   for (const std::uint32_t side : near) shore_[side] = kNowhere;
   for (const std::uint32_t side : far) shore_[side] = kNowhere;
-  if (!status) return Fail(std::move(status.error()));
+  CHECK_OK(std::move(status));
   return stretch;
 }
 

@@ -9,8 +9,8 @@
 
 #include "arap/base/cancel.h"
 #include "arap/base/result.h"
-#include "core/cut/chart.h"
 #include "core/cut/cut_field.h"
+#include "core/cut/pieces.h"
 
 namespace arap {
 
@@ -19,13 +19,13 @@ namespace arap {
 // What then hangs loose is sewn up too.
 class CutShortener {
  public:
-  // Refers to both. O(#V + #F) memory for all charts together.
+  // Refers to both. O(#V + #F) memory for all pieces together.
   CutShortener(CutField& field, const CancelToken& cancel);
 
-  // `chart` is cut to a disk by what is drawn; `ends` are vertices that the cut must go on
+  // `piece` is cut to a disk by what is drawn; `ends` are vertices that the cut must go on
   // reaching. Stops when little is gained any more, or when the work has come to a small multiple
-  // of the size of the chart.
-  Status Shorten(const Chart& chart, std::span<const std::uint32_t> ends);
+  // of the size of the piece.
+  Status Shorten(const Piece& piece, std::span<const std::uint32_t> ends);
 
  private:
   using Stretch = std::vector<std::uint32_t>;  // sides, each starts where the one before ends
@@ -39,7 +39,6 @@ class CutShortener {
   Result<double> Improve(Stretch& stretch);
   std::vector<std::uint32_t> ShoreAt(std::uint32_t leaving);
   Result<Stretch> CheapestCrossing(std::uint32_t leaving, std::uint32_t arriving, double limit);
-  void LeaveShore(std::span<const std::uint32_t> shore);
   void Try(std::uint32_t side, double distance, std::uint32_t goal);
   Shore ShoreBehind(std::uint32_t side) const;
   void Prune(std::uint32_t vertex);

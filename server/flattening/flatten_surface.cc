@@ -20,6 +20,10 @@ Result<FlatAnswer> FlattenSurface(FlattenCache& cache, const std::string& owner,
   if (auto name = CheckName(surface_key, "surface_key"); !name) {
     return Fail(std::move(name.error()));
   }
+  // Not after a surface was prepared in vain.
+  if (auto ok = CheckFlattenOptions(options, mesh.triangles.size()); !ok) {
+    return Fail(std::move(ok.error()));
+  }
   auto hash = ContentHash(mesh, options.cut);
   if (!hash) return Fail(std::move(hash.error()));
   std::shared_ptr<const PreparedSurface> surface = cache.Find(owner, surface_key, *hash);

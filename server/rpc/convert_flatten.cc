@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <arap/v1/flattening_service.pb.h>
 #include <fmt/format.h>
@@ -23,12 +24,6 @@ Fault BadOption(std::string message, std::string field, std::string value) {
   return Fault(FaultKind::kInvalidOption, std::move(message))
       .Field(std::move(field))
       .Detail("value", std::move(value));
-}
-
-Status CheckFinite(double value, std::string field) {
-  if (std::isfinite(value)) return {};
-  std::string message = fmt::format("{} is NaN or infinite.", field);
-  return Fail(BadOption(std::move(message), std::move(field), fmt::to_string(value)));
 }
 
 // What a method means: which cells it may have, the first of them when the request names none.
@@ -64,13 +59,13 @@ Result<EnergyOptions> EnergyOf(const v1::FlattenRequest& request, const Recipe& 
   auto energy = FromWire(request.energy(), Weights::kCotangent, triangles);
   if (!energy) return energy;
   if (request.energy().basis() == v1::BASIS_UNSPECIFIED) energy->basis = recipe.bases.front();
-  if (std::find(recipe.bases.begin(), recipe.bases.end(), energy->basis) == recipe.bases.end()) {
+  // VERTEX cells are no contradiction of the method: no surface has them, as the core says.
+  if (energy->basis != Basis::kVertex &&
+      std::find(recipe.bases.begin(), recipe.bases.end(), energy->basis) == recipe.bases.end()) {
     const std::string basis = v1::Basis_Name(request.energy().basis());
-    return Fail(BadOption(energy->basis == Basis::kVertex
-                              ? "BASIS_VERTEX is not for surfaces."
-                              : fmt::format("{} does not go with {}.", basis,
-                                            v1::FlattenMethod_Name(request.method())),
-                          "energy.basis", basis));
+    return Fail(BadOption(
+        fmt::format("{} does not go with {}.", basis, v1::FlattenMethod_Name(request.method())),
+        "energy.basis", basis));
   }
   if (recipe.conformal && energy->weights != Weights::kCotangent) {
     const std::string weights = v1::EdgeWeights_Name(request.energy().weights());
@@ -108,10 +103,7 @@ Status SetRefine(const v1::FlattenRequest& request, const Recipe& recipe, const 
   options.refine = static_cast<int>(
       request.has_refine() ? request.refine() : std::min(recipe.refine, limits.max_refine));
   options.refine_stop = request.has_refine_stop() ? request.refine_stop() : kDefaultRefineStop;
-  // Written so that NaN fails too.
-  if (options.refine_stop >= 0 && options.refine_stop <= 1) return {};
-  return Fail(BadOption(fmt::format("refine_stop is {}; it must be 0 to 1.", options.refine_stop),
-                        "refine_stop", fmt::to_string(options.refine_stop)));
+  return {};
 }
 
 Status SetCut(const v1::FlattenRequest& request, CutOptions& cut) {
@@ -133,37 +125,22 @@ Status SetCut(const v1::FlattenRequest& request, CutOptions& cut) {
   return {};
 }
 
-Status SetPins(const v1::FlattenRequest& request, FlattenOptions& options) {
-  for (int i = 0; i < request.pins_size(); ++i) {
-    const v1::UvPin& pin = request.pins(i);
-    if (auto ok = CheckFinite(pin.u(), fmt::format("pins[{}].u", i)); !ok) return ok;
-    if (auto ok = CheckFinite(pin.v(), fmt::format("pins[{}].v", i)); !ok) return ok;
-    // Written so that NaN fails too.
-    if (!(pin.weight() >= 0 && pin.weight() <= kMaxPinWeight)) {
-      const std::string field = fmt::format("pins[{}].weight", i);
-      return Fail(BadOption(
-          fmt::format("{} is {}; it must be 0 to {}.", field, pin.weight(), kMaxPinWeight), field,
-          fmt::to_string(pin.weight())));
-    }
-    options.pins.push_back({pin.vertex(), {pin.u(), pin.v()}, pin.weight()});
+std::vector<UvPin> PinsOf(const v1::FlattenRequest& request) {
+  std::vector<UvPin> pins;
+  for (const v1::UvPin& pin : request.pins()) {
+    pins.push_back({pin.vertex(), {pin.u(), pin.v()}, pin.weight()});
   }
-  return {};
+  return pins;
 }
 
-Status SetGrainLines(const v1::FlattenRequest& request, FlattenOptions& options) {
-  for (int i = 0; i < request.grain_lines_size(); ++i) {
-    const v1::GrainLine& line = request.grain_lines(i);
-    if (auto ok =
-            CheckFinite(line.angle_degrees(), fmt::format("grain_lines[{}].angle_degrees", i));
-        !ok) {
-      return ok;
-    }
+std::vector<GrainLine> GrainLinesOf(const v1::FlattenRequest& request) {
+  std::vector<GrainLine> lines;
+  for (const v1::GrainLine& line : request.grain_lines()) {
     // Whole turns do not count, and what is left is exact.
     const double degrees = std::fmod(line.angle_degrees(), 360.0);
-    options.grain_lines.push_back(
-        {line.from_vertex(), line.to_vertex(), degrees * (std::numbers::pi / 180)});
+    lines.push_back({line.from_vertex(), line.to_vertex(), degrees * (std::numbers::pi / 180)});
   }
-  return {};
+  return lines;
 }
 
 }  // namespace
@@ -197,18 +174,20 @@ Result<FlattenOptions> FromWire(const v1::FlattenRequest& request, const app::Li
   if (auto ok = SetRefine(request, *recipe, limits, options); !ok)
     return Fail(std::move(ok.error()));
   if (auto ok = SetCut(request, options.cut); !ok) return Fail(std::move(ok.error()));
-  if (auto ok = SetPins(request, options); !ok) return Fail(std::move(ok.error()));
-  if (auto ok = SetGrainLines(request, options); !ok) return Fail(std::move(ok.error()));
+  options.pins = PinsOf(request);
+  options.grain_lines = GrainLinesOf(request);
   return options;
 }
 
 Fault SpelledForFlatten(Fault fault) {
-  constexpr std::string_view kSeams = "seams[";
+  constexpr std::string_view kSeams = "seams[", kGrainLines = "grain_lines[", kAngle = "].angle";
   if (fault.field.starts_with(kSeams)) {
     const std::string_view field = fault.field;
     std::size_t seam = 0;
     std::from_chars(field.data() + kSeams.size(), field.data() + field.size(), seam);
     fault.field = fmt::format("seam_edges[{}]", 2 * seam);
+  } else if (fault.field.starts_with(kGrainLines) && fault.field.ends_with(kAngle)) {
+    fault.field += "_degrees";
   }
   return fault;
 }

@@ -16,9 +16,9 @@ namespace arap::rpc {
 Status CheckBudget(const v1::FlattenRequest& request, const app::Limits& limits);
 
 // Everything that the request says beside the mesh, with the defaults of the interface filled in;
-// whether vertices exist is for the core to judge. Faults: kInvalidOption (a value that this
-// version does not know, a basis or weights that contradict the method, a number out of its range
-// or not finite), kArrayLength.
+// numbers and vertices are for the core to judge (CheckFlattenOptions, Flatten). Faults:
+// kInvalidOption (a value that this version does not know, a basis or weights that contradict the
+// method, more refinements than max_refine), kArrayLength.
 Result<FlattenOptions> FromWire(const v1::FlattenRequest& request, const app::Limits& limits);
 
 // A fault of the core with its field in the spelling of the request.

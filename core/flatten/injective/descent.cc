@@ -4,7 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/flatten/sheet/upright.h"
+#include "core/base/try.h"
+#include "core/flatten/injective/upright.h"
 
 namespace arap {
 namespace {
@@ -26,7 +27,7 @@ class Walker {
 
   // Moves uv along the step by t <= limit such that the energy falls; answers t, or 0 where no step
   // helps. Longer steps than Newton's are tried: collapsed parts want to grow by far more than the
-  // quadratic model dares.
+  // quadratic model expects.
   double Advance(const Newton::Step& step, double epsilon, double limit, std::vector<Complex>& uv,
                  double& energy) {
     double t = std::min(1.0, limit), fallen = energy;
@@ -68,12 +69,11 @@ Status Untangle(const DescentProblem& problem, std::vector<Complex>& uv, int& it
     const std::size_t flipped = NotUpright(problem.triangles, uv, problem.left_out).size();
     if (flipped == 0) break;
     if (flipped < fewest) fewest = flipped, idle = 0;
-    if (auto ok = problem.cancel.Check(); !ok) return ok;
-    const auto step = problem.newton.Direction(uv, epsilon);
-    if (!step) return Fail(step.error());
+    CHECK_OK(problem.cancel.Check());
+    TRY(const auto step, problem.newton.Direction(uv, epsilon));
     const double before = problem.newton.Energy(uv, epsilon);
     double after = before;
-    walker.Advance(*step, epsilon, kLargestStep, uv, after);
+    walker.Advance(step, epsilon, kLargestStep, uv, after);
     ++iterations;
     // The faster the energy falls the sharper it may become [Garanzha et al. 2021 §3].
     const double fall = std::max((before - after) / (before + 4), 0.1);
@@ -90,14 +90,12 @@ Status Descend(const DescentProblem& problem, double stop, int max_iterations,
   Walker walker(problem);
   double energy = problem.newton.Energy(uv, 0);
   for (int i = 0, idle = 0; i < max_iterations && energy > kExact; ++i) {
-    if (auto ok = problem.cancel.Check(); !ok) return ok;
-    const auto step = problem.newton.Direction(uv, 0);
-    if (!step) return Fail(step.error());
-    if (-step->slope <= 0.1 * stop * energy) break;
-    const double limit =
-        std::min(kLargestStep, kBeforeLimit * problem.newton.Limit(uv, step->move));
+    CHECK_OK(problem.cancel.Check());
+    TRY(const auto step, problem.newton.Direction(uv, 0));
+    if (-step.slope <= 0.1 * stop * energy) break;
+    const double limit = std::min(kLargestStep, kBeforeLimit * problem.newton.Limit(uv, step.move));
     const double before = energy;
-    const double t = walker.Advance(*step, 0, limit, uv, energy);
+    const double t = walker.Advance(step, 0, limit, uv, energy);
     if (t == 0) break;
     ++iterations;
     // A step cut short by its limit may bring little without being the last.

@@ -5,9 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "core/base/try.h"
 #include "core/flatten/injective/descent.h"
 #include "core/flatten/injective/tutte.h"
-#include "core/flatten/sheet/upright.h"
+#include "core/flatten/injective/upright.h"
 
 namespace arap {
 namespace {
@@ -18,13 +19,13 @@ Status CheckPins(const std::vector<LayoutPin>& pins, std::size_t vertices) {
     const LayoutPin& pin = pins[k];
     std::string what;
     if (pin.vertex >= vertices) {
-      what = fmt::format("pin {} names vertex {}; there are {}", k, pin.vertex, vertices);
+      what = fmt::format("Pin {} names vertex {}; there are {}.", k, pin.vertex, vertices);
     } else if (seen[pin.vertex]) {
-      what = fmt::format("pin {} holds vertex {} a second time", k, pin.vertex);
+      what = fmt::format("Pin {} holds vertex {} a second time.", k, pin.vertex);
     } else if (!std::isfinite(pin.uv.real()) || !std::isfinite(pin.uv.imag())) {
-      what = fmt::format("pin {} of vertex {} has a place that is not finite", k, pin.vertex);
+      what = fmt::format("Pin {} of vertex {} has a place that is not finite.", k, pin.vertex);
     } else if (!(pin.weight > 0)) {
-      what = fmt::format("pin {} of vertex {} has the weight {}; it must be positive", k,
+      what = fmt::format("Pin {} of vertex {} has the weight {}; it must be positive.", k,
                          pin.vertex, pin.weight);
     } else {
       seen[pin.vertex] = true;
@@ -52,12 +53,9 @@ class Search {
 
   Result<InjectiveLayout> Run(std::span<const Complex> candidate) {
     InjectiveLayout layout;
-    if (auto ok = Start(candidate, layout); !ok) return Fail(std::move(ok.error()));
-    if (auto ok = Descend(Problem(), options_.stop, options_.max_iterations, layout.uv,
-                          layout.iterations);
-        !ok) {
-      return Fail(std::move(ok.error()));
-    }
+    CHECK_OK(Start(candidate, layout));
+    CHECK_OK(
+        Descend(Problem(), options_.stop, options_.max_iterations, layout.uv, layout.iterations));
     if (!Injective(layout.uv)) return NotInjective(layout.uv);
     layout.energy = 4 + newton_.Distortion(layout.uv, 0);
     return layout;
@@ -75,16 +73,13 @@ class Search {
     const auto flipped = NotUpright(mesh_.triangles, nearest, options_.left_out);
     Fault fault = Fault(FaultKind::kNotInjective, "").Field("injective");
     if (flipped.empty()) {
-      fault.message = "no injective layout was reached: a vertex stays wound more than once";
-      for (const auto v : WoundTwice(mesh_.triangles, nearest, boundary_, options_.left_out)) {
-        fault.Element(v);
-      }
+      fault.message = "No injective layout was reached: a vertex stays wound more than once.";
+      fault.Elements(WoundTwice(mesh_.triangles, nearest, boundary_, options_.left_out));
     } else {
       fault.message =
-          fmt::format("no injective layout was reached: {} triangles stay flipped{}",
+          fmt::format("No injective layout was reached: {} triangles stay flipped{}.",
                       flipped.size(), options_.pins.empty() ? "" : "; the pins may ask for it");
-      for (const std::uint32_t t : flipped) fault.Element(t);
-      fault.Detail("flipped", fmt::to_string(flipped.size()));
+      fault.Elements(flipped).Detail("flipped", flipped.size());
     }
     return Fail(std::move(fault));
   }
@@ -95,7 +90,7 @@ class Search {
     }
   }
 
-  // Triangles held at all three corners are what they are.
+  // No layout mends a triangle that is held at all three corners: it has to be upright as it is.
   Status CheckHardTriangles(std::span<const Complex> uv) const {
     std::vector<bool> hard(mesh_.vertices.size(), false);
     for (const LayoutPin& pin : options_.pins) hard[pin.vertex] = std::isinf(pin.weight);
@@ -104,7 +99,7 @@ class Search {
       if (!hard[a] || !hard[b] || !hard[c]) continue;
       return Fail(
           Fault(FaultKind::kNotInjective,
-                fmt::format("the pins of vertices {}, {} and {} flip triangle {}", a, b, c, t))
+                fmt::format("The pins of vertices {}, {} and {} flip triangle {}.", a, b, c, t))
               .Field("pins")
               .Element(t));
     }
@@ -158,26 +153,26 @@ class Search {
       starts.emplace_back(candidate.begin(), candidate.end());
       layout.uv = starts.back();
       if (MeetsPins(layout.uv)) return {};
-      if (auto ok = CheckHardTriangles(layout.uv); !ok) return ok;
+      CHECK_OK(CheckHardTriangles(layout.uv));
     }
     layout.start = InjectiveStart::kTutte;
     for (const TutteWeights weights : {TutteWeights::kCotangent, TutteWeights::kUniform}) {
-      if (auto ok = cancel_.Check(); !ok) return ok;
+      CHECK_OK(cancel_.Check());
       auto uv = Embedding(weights);
       if (!uv) return Fail(std::move(uv.error()));
       starts.push_back(*uv);
       layout.uv = std::move(*uv);
       if (MeetsPins(layout.uv)) return {};
-      if (auto ok = CheckHardTriangles(layout.uv); !ok) return ok;
+      CHECK_OK(CheckHardTriangles(layout.uv));
     }
     layout.start = InjectiveStart::kMended;
     for (const std::vector<Complex>& uv : starts) {
       if (HardPins() == 0 || !Injective(uv)) continue;
       layout.uv = uv;
-      if (auto ok = Pull(layout); !ok) return ok;
+      CHECK_OK(Pull(layout));
       if (MeetsPins(layout.uv)) return {};
     }
-    // A candidate knows the pins; without them the embeddings are nearer.
+    // The candidate was made for the pins; without pins the embeddings need less mending.
     if (given && options_.pins.empty())
       std::rotate(starts.begin(), starts.begin() + 1, starts.end());
     std::vector<Complex> nearest;
@@ -185,7 +180,7 @@ class Search {
     for (std::vector<Complex>& uv : starts) {
       layout.uv = std::move(uv);
       MeetHardPins(layout.uv);
-      if (auto ok = Untangle(Problem(), layout.uv, layout.iterations); !ok) return ok;
+      CHECK_OK(Untangle(Problem(), layout.uv, layout.iterations));
       if (Injective(layout.uv)) return {};
       const std::size_t flipped = NotUpright(mesh_.triangles, layout.uv, options_.left_out).size();
       if (flipped < fewest) fewest = flipped, nearest = layout.uv;
@@ -193,17 +188,16 @@ class Search {
     return NotInjective(nearest);
   }
 
-  // Tutte's, of the best size and near the pins.
+  // Tutte's embedding, scaled to the best size and moved near the pins.
   Result<std::vector<Complex>> Embedding(TutteWeights weights) const {
-    auto uv = TutteEmbedding(mesh_, loops_, weights, options_.left_out);
-    if (!uv) return uv;
-    if (newton_.MeanDeterminant(*uv) < 0) {  // loops that run against the triangles
-      for (Complex& z : *uv) z = std::conj(z);
+    TRY(auto uv, TutteEmbedding(mesh_, loops_, weights, options_.left_out));
+    if (newton_.MeanDeterminant(uv) < 0) {  // loops that run against the triangles
+      for (Complex& z : uv) z = std::conj(z);
     }
     const double scale =
-        Injective(*uv) ? newton_.BestScale(*uv) : 1 / std::sqrt(newton_.MeanDeterminant(*uv));
-    for (Complex& z : *uv) z *= scale;
-    Approach(*uv);
+        Injective(uv) ? newton_.BestScale(uv) : 1 / std::sqrt(newton_.MeanDeterminant(uv));
+    for (Complex& z : uv) z *= scale;
+    Approach(uv);
     return uv;
   }
 
@@ -212,14 +206,10 @@ class Search {
     for (const double weight : {1e1, 1e3, 1e5, 1e7}) {
       std::vector<LayoutPin> soft = options_.pins;
       for (LayoutPin& pin : soft) pin.weight = std::min(pin.weight, weight);
-      auto newton = Newton::Make(mesh_, soft, options_.left_out);
-      if (!newton) return Fail(std::move(newton.error()));
-      const DescentProblem problem{*newton, mesh_.triangles, options_.left_out, cancel_};
-      if (auto ok = Descend(problem, options_.stop, options_.max_iterations, layout.uv,
-                            layout.iterations);
-          !ok) {
-        return ok;
-      }
+      TRY(auto newton, Newton::Make(mesh_, soft, options_.left_out));
+      const DescentProblem problem{newton, mesh_.triangles, options_.left_out, cancel_};
+      CHECK_OK(
+          Descend(problem, options_.stop, options_.max_iterations, layout.uv, layout.iterations));
       std::vector<Complex> met = layout.uv;
       if (MeetsPins(met)) {
         layout.uv = std::move(met);
@@ -244,12 +234,9 @@ Result<InjectiveLayout> FlattenInjective(const SurfaceMesh& mesh,
                                          std::span<const Complex> start,
                                          const InjectiveOptions& options,
                                          const CancelToken& cancel) {
-  if (auto ok = CheckPins(options.pins, mesh.vertices.size()); !ok) {
-    return Fail(std::move(ok.error()));
-  }
-  auto newton = Newton::Make(mesh, options.pins, options.left_out);
-  if (!newton) return Fail(std::move(newton.error()));
-  return Search(mesh, loops, options, cancel, std::move(*newton)).Run(start);
+  CHECK_OK(CheckPins(options.pins, mesh.vertices.size()));
+  TRY(auto newton, Newton::Make(mesh, options.pins, options.left_out));
+  return Search(mesh, loops, options, cancel, std::move(newton)).Run(start);
 }
 
 }  // namespace arap

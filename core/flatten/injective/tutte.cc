@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/try.h"
 #include "core/flatten/distortion.h"
 #include "core/mesh/space.h"
 #include "core/sparse/factor.h"
@@ -105,12 +106,11 @@ Result<std::vector<Complex>> TutteEmbedding(const SurfaceMesh& mesh,
   }
   Eigen::SparseMatrix<double> lower(static_cast<int>(n), static_cast<int>(n));
   lower.setFromTriplets(entries.begin(), entries.end());
-  const auto factor = Factor<double>::Make(lower, FactorLayout::kSimplicial);
-  if (!factor) return Fail(factor.error());
+  TRY(const auto factor, Factor<double>::Make(lower, FactorLayout::kSimplicial));
   Workspace workspace;
-  const auto solution = (*factor)->Solve(right, 2, workspace);
+  const auto solution = factor->Solve(right, 2, workspace);
   if (solution.empty()) {
-    return Fail(FaultKind::kNumerical, "a back-substitution ran out of memory");
+    return Fail(FaultKind::kNumerical, "A back-substitution ran out of memory.");
   }
   uv.resize(vertices);
   for (std::size_t v = 0; v < vertices; ++v) uv[v] = {solution[v], solution[n + v]};

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/try.h"
 #include "core/energy/assemble.h"
 #include "core/mesh/space.h"
+#include "core/sparse/saddle.h"
 
 namespace arap {
 namespace {
@@ -19,7 +21,7 @@ constexpr double kFinest = 1e-10, kRoughest = 1e-3;
 
 // The surface seen along its mean normal, so that it lies upright: a start with the right
 // orientation.
-std::vector<Complex> Shadow(const SurfaceChart& chart) {
+std::vector<Complex> Shadow(const Chart& chart) {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   const auto& p = chart.mesh.vertices;
   for (const Triangle& t : chart.mesh.triangles) {
@@ -37,7 +39,7 @@ std::vector<Complex> Shadow(const SurfaceChart& chart) {
 }
 
 // Vertices of all boundaries.
-std::vector<std::uint32_t> Boundary(const SurfaceChart& chart) {
+std::vector<std::uint32_t> Boundary(const Chart& chart) {
   std::vector<std::uint32_t> boundary;
   for (const auto& loop : chart.loops) boundary.insert(boundary.end(), loop.begin(), loop.end());
   return boundary;
@@ -67,13 +69,13 @@ Complex Dot(const std::vector<Complex>& a, const std::vector<Complex>& b) {
   return sum;
 }
 
-double Area(const SurfaceChart& chart) {
+double Area(const Chart& chart) {
   double area = 0;
   for (const auto& frame : chart.frames) area += 0.5 * frame[1].real() * frame[2].imag();
   return area;
 }
 
-double FlatArea(const SurfaceChart& chart, const std::vector<Complex>& x) {
+double FlatArea(const Chart& chart, const std::vector<Complex>& x) {
   double area = 0;
   for (const Triangle& t : chart.mesh.triangles) {
     area += 0.5 * std::imag(std::conj(x[t[1]] - x[t[0]]) * (x[t[2]] - x[t[0]]));
@@ -81,12 +83,144 @@ double FlatArea(const SurfaceChart& chart, const std::vector<Complex>& x) {
   return area;
 }
 
+// Pins solved for together: few enough to keep memory small and to be cancelled between.
+constexpr std::size_t kBlock = 8;
+// The shape is right when a correction changes it by no more than this part.
+constexpr double kSettled = 1e-10;
+constexpr int kMaxCorrections = 4;
+
+// [algorithm §4] with the pins as rows; repeated on what is left until it settles.
+class PinnedSolve {
+ public:
+  PinnedSolve(const GroundedSystem<Complex>& system, const std::array<std::uint32_t, 2>& ground,
+              const Cells& cells, const Held& pins, std::size_t vertices)
+      : system_(system),
+        ground_(ground),
+        cells_(cells),
+        pins_(pins.vertices),
+        n_(vertices),
+        x_(n_),
+        lambda_(pins_.size()) {}
+
+  Result<std::optional<std::vector<Complex>>> Solve(const CancelToken& cancel) {
+    CHECK_OK(FindDirection());
+    CHECK_OK(MakeSaddle(cancel));
+    for (int correction = 0; correction <= kMaxCorrections; ++correction) {
+      CHECK_OK(cancel.Check());
+      TRY(const double change, Correct());
+      if (correction > 0 && change <= kSettled * Size(x_)) {
+        for (const HeldVertex& pin : pins_) {
+          if (pin.weight == 0) x_[pin.vertex] = pin.uv;
+        }
+        return std::move(x_);
+      }
+    }
+    return std::optional<std::vector<Complex>>();
+  }
+
+ private:
+  static double Size(const std::vector<Complex>& x) {
+    double size = 0;
+    for (const Complex p : x) size = std::max(size, std::norm(p));
+    return std::sqrt(size);
+  }
+
+  // direction_ := the shape with the ground at 0 and 1; energy_ is its own.
+  Status FindDirection() {
+    direction_.assign(n_, 0);
+    direction_[ground_[1]] = 1;
+    std::vector<Complex> right(n_);
+    CHECK_OK(system_.Solve(right, 1, direction_, workspace_));
+    energy_ = std::max(0.0, SimilarityForceAt(cells_, direction_).energy);
+    return {};
+  }
+
+  Status MakeSaddle(const CancelToken& cancel) {
+    const std::size_t k = pins_.size();
+    const auto rows = static_cast<Eigen::Index>(k);
+    Eigen::MatrixXcd cz(rows, rows), cn(rows, 2), energy = Eigen::MatrixXcd::Zero(2, 2);
+    std::vector<Complex> right, z;
+    for (std::size_t begin = 0; begin < k; begin += kBlock) {
+      CHECK_OK(cancel.Check());
+      const std::size_t count = std::min(kBlock, k - begin);
+      right.assign(n_ * count, 0);
+      z.assign(n_ * count, 0);
+      for (std::size_t j = 0; j < count; ++j) right[j * n_ + pins_[begin + j].vertex] = 1;
+      CHECK_OK(system_.Solve(right, count, z, workspace_));
+      for (std::size_t j = 0; j < count; ++j) {
+        for (std::size_t i = 0; i < k; ++i) {
+          cz(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(begin + j)) =
+              z[j * n_ + pins_[i].vertex];
+        }
+      }
+    }
+    for (std::size_t i = 0; i < k; ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      cz(row, row) += Held::Compliance(pins_[i]);
+      cn(row, 0) = 1;
+      cn(row, 1) = direction_[pins_[i].vertex];
+    }
+    energy(1, 1) = energy_;
+    saddle_ = Saddle<Complex>(cz, cn, energy);
+    scratch_.Resize(saddle_.size());
+    return {};
+  }
+
+  // Takes from x_ and lambda_ what they still lack; the first time, that is everything. Returns
+  // the largest change of a vertex.
+  Result<double> Correct() {
+    // What is left of  H x = Cᴴ λ  and  C x + E λ = c.
+    std::vector<Complex> left = SimilarityForceAt(cells_, x_).force;
+    for (Complex& f : left) f = -f;
+    for (std::size_t i = 0; i < pins_.size(); ++i) left[pins_[i].vertex] += lambda_[i];
+    Complex sum = 0, along = 0;
+    for (std::size_t v = 0; v < n_; ++v) {
+      sum += left[v];
+      along += std::conj(direction_[v]) * left[v];
+    }
+    std::vector<Complex> right = left, change(n_);
+    CHECK_OK(system_.Solve(right, 1, change, workspace_));
+    const auto k = static_cast<Eigen::Index>(pins_.size());
+    for (Eigen::Index i = 0; i < k; ++i) {
+      const HeldVertex& pin = pins_[static_cast<std::size_t>(i)];
+      scratch_.right[i] = pin.uv - x_[pin.vertex] - change[pin.vertex] -
+                          Held::Compliance(pin) * lambda_[static_cast<std::size_t>(i)];
+    }
+    scratch_.right[k] = -sum;
+    scratch_.right[k + 1] = -along;
+    saddle_.Solve(scratch_);
+    const auto& solution = scratch_.solution;
+    right = left;
+    for (Eigen::Index i = 0; i < k; ++i) {
+      right[pins_[static_cast<std::size_t>(i)].vertex] += solution[i];
+      lambda_[static_cast<std::size_t>(i)] += solution[i];
+    }
+    std::fill(change.begin(), change.end(), Complex(0));
+    CHECK_OK(system_.Solve(right, 1, change, workspace_));
+    for (std::size_t v = 0; v < n_; ++v) {
+      change[v] += solution[k] + solution[k + 1] * direction_[v];
+      x_[v] += change[v];
+    }
+    return Size(change);
+  }
+
+  const GroundedSystem<Complex>& system_;
+  const std::array<std::uint32_t, 2> ground_;
+  const Cells& cells_;
+  const std::vector<HeldVertex>& pins_;
+  const std::size_t n_;
+  double energy_ = 0;
+  std::vector<Complex> direction_, x_, lambda_;
+  Saddle<Complex> saddle_;
+  Saddle<Complex>::Scratch scratch_;
+  Workspace workspace_;
+};
+
 }  // namespace
 
 Result<Order> NewOrder(const Eigen::SparseMatrix<Complex>& lower) {
-  auto order = EliminationOrder(lower);
-  if (!order) return Fail(std::move(order.error()));
-  return std::make_shared<const std::vector<int>>(*std::move(order));
+  TRY(auto order, EliminationOrder(lower));
+  return std::make_shared<const std::vector<int>>(std::move(order));
 }
 
 Result<GroundedSystem<Complex>> HeldSystem(const Cells& cells, const Held& held,
@@ -97,10 +231,9 @@ Result<GroundedSystem<Complex>> HeldSystem(const Cells& cells, const Held& held,
     const auto v = static_cast<Eigen::Index>(h.vertex);
     if (h.weight > 0) matrix.coeffRef(v, v) += h.weight;
   }
-  auto found = order(matrix);
-  if (!found) return Fail(std::move(found.error()));
+  TRY(const Order found, order(matrix));
   return GroundedSystem<Complex>::Make(matrix, held.Fixed(vertices), FactorLayout::kSupernodal,
-                                       *std::move(found));
+                                       found);
 }
 
 Result<std::vector<Complex>> HeldFirstStep(const GroundedSystem<Complex>& system, const Held& held,
@@ -111,7 +244,7 @@ Result<std::vector<Complex>> HeldFirstStep(const GroundedSystem<Complex>& system
     right[h.vertex] += h.weight * h.uv;
   }
   Workspace workspace;
-  if (auto ok = system.Solve(right, 1, x, workspace); !ok) return Fail(std::move(ok.error()));
+  CHECK_OK(system.Solve(right, 1, x, workspace));
   return x;
 }
 
@@ -121,16 +254,14 @@ Result<GroundedSystem<Complex>> SpectralSystem(const Cells& cells, std::size_t v
   Eigen::SparseMatrix<Complex> matrix = AssembleSimilarity(cells, none);
   const double shift = kShift * matrix.diagonal().real().mean();
   for (Eigen::Index v = 0; v < matrix.rows(); ++v) matrix.coeffRef(v, v) += shift;
-  auto found = order(matrix);
-  if (!found) return Fail(std::move(found.error()));
-  auto system =
-      GroundedSystem<Complex>::Make(matrix, none, FactorLayout::kPacked, *std::move(found));
+  TRY(const Order found, order(matrix));
+  auto system = GroundedSystem<Complex>::Make(matrix, none, FactorLayout::kPacked, found);
   if (system) system->set_raised(shift);
   return system;
 }
 
 Result<std::vector<Complex>> SpectralFirstStep(const GroundedSystem<Complex>& system,
-                                               const SurfaceChart& chart,
+                                               const Chart& chart,
                                                const std::array<std::uint32_t, 2>& anchors,
                                                double accuracy, const CancelToken& cancel) {
   const std::size_t n = chart.mesh.vertices.size();
@@ -144,7 +275,7 @@ Result<std::vector<Complex>> SpectralFirstStep(const GroundedSystem<Complex>& sy
   for (int step = 0; step <= kMaxSpectralSteps; ++step) {
     const double size = Normalise(boundary, x, spread);
     if (size == 0) {
-      return Fail(FaultKind::kNumerical, "the boundary of the first step has no spread");
+      return Fail(FaultKind::kNumerical, "The boundary of the first step has no spread.");
     }
     if (step > 0) {
       const double norm = Dot(x, x).real();
@@ -157,11 +288,11 @@ Result<std::vector<Complex>> SpectralFirstStep(const GroundedSystem<Complex>& sy
       const double goal = std::clamp(accuracy * distortion, kFinest, kRoughest);
       if (change < goal * goal || step == kMaxSpectralSteps) break;
     }
-    if (auto ok = cancel.Check(); !ok) return Fail(std::move(ok.error()));
+    CHECK_OK(cancel.Check());
     last = spread;
     for (std::size_t v = 0; v < n; ++v) right[v] = kept * x[v] + energy * spread[v];
     const std::vector<Complex> asked = right;
-    if (auto ok = system.Solve(right, 1, x, workspace); !ok) return Fail(std::move(ok.error()));
+    CHECK_OK(system.Solve(right, 1, x, workspace));
     energy = Dot(x, asked).real();  // xᴴ M x
   }
 
@@ -174,6 +305,12 @@ Result<std::vector<Complex>> SpectralFirstStep(const GroundedSystem<Complex>& sy
   const Complex turn = length > 0 ? std::conj(along) / length : Complex(1);
   for (Complex& p : x) p = scale * (turn * (p - origin));
   return x;
+}
+
+Result<std::optional<std::vector<Complex>>> PinnedFirstStep(
+    const GroundedSystem<Complex>& system, const std::array<std::uint32_t, 2>& ground,
+    const Cells& cells, const Held& pins, std::size_t vertices, const CancelToken& cancel) {
+  return PinnedSolve(system, ground, cells, pins, vertices).Solve(cancel);
 }
 
 }  // namespace arap

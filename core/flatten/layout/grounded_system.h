@@ -10,6 +10,7 @@
 #include <Eigen/SparseCore>
 
 #include "arap/base/result.h"
+#include "core/base/try.h"
 #include "core/sparse/factor.h"
 
 namespace arap {
@@ -46,9 +47,7 @@ class GroundedSystem {
       }
     }
     grounded.finalize();
-    auto factor = Factor<Scalar>::Make(grounded, layout, *order);
-    if (!factor) return Fail(std::move(factor.error()));
-    system.factor_ = *std::move(factor);
+    TRY(system.factor_, Factor<Scalar>::Make(grounded, layout, *order));
     system.fixed_ = std::move(fixed);
     system.order_ = order;
     return system;
@@ -67,7 +66,7 @@ class GroundedSystem {
     }
     const auto solution = factor_->Solve(right, columns, workspace);
     if (solution.empty()) {
-      return Fail(FaultKind::kNumerical, "a back-substitution ran out of memory");
+      return Fail(FaultKind::kNumerical, "A back-substitution ran out of memory.");
     }
     std::copy(solution.begin(), solution.end(), x.begin());
     return {};

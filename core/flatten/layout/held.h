@@ -1,11 +1,14 @@
-// Held: the vertices of one chart that are kept at places of the plane.
+// Held: the vertices of one chart that are kept at places of the plane; and anchors, the two that
+// fix the free similarity of the first step.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "arap/model/mesh.h"
+#include "core/flatten/chart.h"
 
 namespace arap {
 
@@ -31,5 +34,16 @@ struct Held {
     return fixed;
   }
 };
+
+// Ends of the edge whose middle is nearest to the area centroid; of the lowest such edge. Edges
+// without length do not count [II09 §7 "an edge at the center of the mesh"].
+std::array<std::uint32_t, 2> CentreEdge(const Chart& chart);
+
+// The boundary vertex farthest from the centroid and the one farthest from that. Never the
+// quadratic search for the farthest pair.
+std::array<std::uint32_t, 2> FarBoundaryPair(const Chart& chart);
+
+// The first at 0, the second at their distance in space on the real axis.
+Held HoldAtDistance(const Chart& chart, const std::array<std::uint32_t, 2>& anchors);
 
 }  // namespace arap

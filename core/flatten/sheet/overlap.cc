@@ -2,12 +2,115 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
-#include "core/flatten/sheet/segment_tree.h"
+#include "core/base/try.h"
 
 namespace arap {
 namespace {
+
+struct Segment {
+  Complex from, to;
+};
+
+struct Box {
+  Complex low, high;
+  static Box Of(const Segment& s);
+  void Include(const Box& other);
+  bool Meets(const Box& other) const {
+    return low.real() <= other.high.real() && other.low.real() <= high.real() &&
+           low.imag() <= other.high.imag() && other.low.imag() <= high.imag();
+  }
+};
+
+// A tree of bounding boxes over segments: which may cross which. Built in O(n log n).
+class SegmentTree {
+ public:
+  explicit SegmentTree(std::span<const Segment> segments);
+
+  // Calls visit(other) for the segments of index above `index` whose boxes meet that of segment
+  // `index`, in no order to rely on.
+  template <class Visit>
+  void VisitAfter(std::uint32_t index, Visit visit) const {
+    if (nodes_.empty()) return;
+    const Box& box = boxes_[index];
+    std::uint32_t stack[64];  // halving keeps the tree far shallower than this
+    std::size_t depth = 0;
+    stack[depth++] = 0;
+    while (depth > 0) {
+      const std::uint32_t at = stack[--depth];
+      const Node& node = nodes_[at];
+      if (node.last <= index || !node.box.Meets(box)) continue;
+      if (node.right != 0) {
+        stack[depth++] = node.right;
+        stack[depth++] = at + 1;
+        continue;
+      }
+      for (std::uint32_t k = node.begin; k < node.end; ++k) {
+        if (items_[k] > index && boxes_[items_[k]].Meets(box)) visit(items_[k]);
+      }
+    }
+  }
+
+ private:
+  // Over items_[begin, end); the children of node i are i + 1 and `right`, none when right is 0.
+  struct Node {
+    Box box;
+    std::uint32_t begin = 0, end = 0;
+    std::uint32_t right = 0;
+    std::uint32_t last = 0;  // the highest index in it
+  };
+  std::uint32_t Build(std::uint32_t begin, std::uint32_t end);
+
+  std::vector<Box> boxes_;            // by segment
+  std::vector<std::uint32_t> items_;  // segment indices, node by node
+  std::vector<Node> nodes_;
+};
+
+constexpr std::uint32_t kLeafSize = 4;
+
+Box Box::Of(const Segment& s) {
+  return {{std::min(s.from.real(), s.to.real()), std::min(s.from.imag(), s.to.imag())},
+          {std::max(s.from.real(), s.to.real()), std::max(s.from.imag(), s.to.imag())}};
+}
+
+void Box::Include(const Box& other) {
+  low = {std::min(low.real(), other.low.real()), std::min(low.imag(), other.low.imag())};
+  high = {std::max(high.real(), other.high.real()), std::max(high.imag(), other.high.imag())};
+}
+
+SegmentTree::SegmentTree(std::span<const Segment> segments) : items_(segments.size()) {
+  boxes_.reserve(segments.size());
+  for (const Segment& s : segments) boxes_.push_back(Box::Of(s));
+  std::iota(items_.begin(), items_.end(), 0u);
+  if (!items_.empty()) Build(0, static_cast<std::uint32_t>(items_.size()));
+}
+
+std::uint32_t SegmentTree::Build(std::uint32_t begin, std::uint32_t end) {
+  const auto index = static_cast<std::uint32_t>(nodes_.size());
+  Node node{boxes_[items_[begin]], begin, end, 0, 0};
+  for (std::uint32_t k = begin; k < end; ++k) {
+    node.box.Include(boxes_[items_[k]]);
+    node.last = std::max(node.last, items_[k]);
+  }
+  nodes_.push_back(node);
+  if (end - begin <= kLeafSize) return index;
+  const Complex extent = node.box.high - node.box.low;
+  const bool wide = extent.real() >= extent.imag();
+  // Twice the centre along the longer side; the index decides between equals.
+  const auto key = [&](std::uint32_t s) {
+    const Complex sum = boxes_[s].low + boxes_[s].high;
+    return std::make_pair(wide ? sum.real() : sum.imag(), s);
+  };
+  const std::uint32_t middle = begin + (end - begin) / 2;
+  std::nth_element(items_.begin() + begin, items_.begin() + middle, items_.begin() + end,
+                   [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+  Build(begin, middle);
+  const std::uint32_t right = Build(middle, end);
+  nodes_[index].right = right;
+  return index;
+}
 
 constexpr double kGoldenFraction = 0.6180339887498949;
 
@@ -25,7 +128,7 @@ double Cross(Complex a, Complex b) { return a.real() * b.imag() - a.imag() * b.r
 // Twice the signed area of from, to, p: which side of the segment p is on.
 double Side(const Segment& s, Complex p) { return Cross(s.to - s.from, p - s.from); }
 
-// Zero counts as left on every occasion: a path through a point of a segment crosses it once.
+// A point on the line always counts as left of it: a path through an end of a segment crosses once.
 bool SegmentsCross(const Segment& a, const Segment& b) {
   return (Side(a, b.from) < 0) != (Side(a, b.to) < 0) &&
          (Side(b, a.from) < 0) != (Side(b, a.to) < 0);
@@ -36,8 +139,8 @@ Complex Unit(Complex z) {
   return length > 0 ? z / length : Complex(0);
 }
 
-// All boundary segments, drawn in. What lies exactly on something else leaves no sign of where it
-// crosses or is contained, so that every vertex goes a different way, 1 to 2 times `amount`.
+// All boundary segments, drawn in. Points that lie exactly on other segments would leave open what
+// crosses what, so every vertex moves inward by a different length, 1 to 2 times `amount`.
 class Boundary {
  public:
   Boundary(std::span<const Complex> uv, std::span<const BoundaryLoop> loops) {
@@ -124,7 +227,7 @@ Status CountCrossings(const Boundary& boundary, const CancelToken& cancel, Overl
   std::vector<std::uint32_t> crossed;
   for (std::uint32_t a = 0; a < segments.size() && overlap.crossings < kMaxCrossings; ++a) {
     if (a % kAskEvery == 0) {
-      if (auto ok = cancel.Check(); !ok) return ok;
+      CHECK_OK(cancel.Check());
     }
     crossed.clear();
     tree.VisitAfter(a, [&](std::uint32_t b) {
@@ -141,13 +244,13 @@ Status CountCrossings(const Boundary& boundary, const CancelToken& cancel, Overl
   return {};
 }
 
-// Sums of windings of other loops around a point of each: 0 of every other chart, and of its own
-// chart 0 for an outline and 1 for a hole. Loops that cross are already known to overlap, and make
-// this no less true.
+// Adds up how often other loops wind around a point of each loop. It must be 0 for the loops of
+// every other chart, and for those of its own chart 0 for an outline and 1 for a hole. (Loops that
+// cross are known to overlap already.)
 Status CountMisplaced(const Boundary& boundary, const CancelToken& cancel, Overlap& overlap) {
   for (const Outline& loop : boundary.outlines()) {
     if (loop.loop % kAskEvery == 0) {
-      if (auto ok = cancel.Check(); !ok) return ok;
+      CHECK_OK(cancel.Check());
     }
     const Complex point = boundary.segments()[loop.begin].from;
     const Box box{point, point};
@@ -182,8 +285,8 @@ Result<Overlap> FindOverlap(std::span<const Complex> uv, std::span<const Boundar
                             const CancelToken& cancel) {
   const Boundary boundary(uv, loops);
   Overlap overlap;
-  if (auto ok = CountCrossings(boundary, cancel, overlap); !ok) return Fail(std::move(ok.error()));
-  if (auto ok = CountMisplaced(boundary, cancel, overlap); !ok) return Fail(std::move(ok.error()));
+  CHECK_OK(CountCrossings(boundary, cancel, overlap));
+  CHECK_OK(CountMisplaced(boundary, cancel, overlap));
   return overlap;
 }
 

@@ -14,7 +14,7 @@
 #include "arap/base/cancel.h"
 #include "arap/base/result.h"
 #include "arap/model/mesh.h"
-#include "core/cut/boundary_loops.h"
+#include "core/cut/pieces.h"
 #include "core/mesh/topology.h"
 
 namespace arap {

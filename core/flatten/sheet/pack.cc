@@ -52,30 +52,30 @@ struct Extent {
   double height() const { return high.imag() - low.imag(); }
 };
 
-// One chart: its vertices and its bounding box after the turn.
-struct Chart {
+// A chart to be packed: its vertices and its bounding box after the turn.
+struct Tile {
   std::vector<std::uint32_t> vertices;
   Extent extent;
 };
 
-std::vector<Chart> Collect(std::span<const std::uint32_t> chart) {
-  std::vector<Chart> charts;
+std::vector<Tile> Collect(std::span<const std::uint32_t> chart) {
+  std::vector<Tile> tiles;
   for (std::uint32_t v = 0; v < chart.size(); ++v) {
     if (chart[v] == kNone) continue;
-    if (chart[v] >= charts.size()) charts.resize(std::size_t{chart[v]} + 1);
-    charts[chart[v]].vertices.push_back(v);
+    if (chart[v] >= tiles.size()) tiles.resize(std::size_t{chart[v]} + 1);
+    tiles[chart[v]].vertices.push_back(v);
   }
-  return charts;
+  return tiles;
 }
 
 // Highest first, then by number; without empty ones.
-std::vector<std::uint32_t> ByHeight(const std::vector<Chart>& charts) {
+std::vector<std::uint32_t> ByHeight(const std::vector<Tile>& tiles) {
   std::vector<std::uint32_t> order;
-  for (std::uint32_t c = 0; c < charts.size(); ++c) {
-    if (!charts[c].vertices.empty()) order.push_back(c);
+  for (std::uint32_t c = 0; c < tiles.size(); ++c) {
+    if (!tiles[c].vertices.empty()) order.push_back(c);
   }
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return charts[a].extent.height() > charts[b].extent.height();
+    return tiles[a].extent.height() > tiles[b].extent.height();
   });
   return order;
 }
@@ -86,12 +86,12 @@ struct Sheet {
   double width = 0, height = 0;
 };
 
-Sheet FillShelves(const std::vector<Chart>& charts, const std::vector<std::uint32_t>& order,
+Sheet FillShelves(const std::vector<Tile>& tiles, const std::vector<std::uint32_t>& order,
                   double shelf, double gap) {
   Sheet sheet;
   double x = 0, y = 0;
   for (const std::uint32_t c : order) {
-    const Extent& extent = charts[c].extent;
+    const Extent& extent = tiles[c].extent;
     if (x > 0 && x + extent.width() > shelf) {
       x = 0;
       y = sheet.height + gap;
@@ -105,18 +105,18 @@ Sheet FillShelves(const std::vector<Chart>& charts, const std::vector<std::uint3
 }
 
 // The sheet with the shortest longer side.
-Sheet BestSheet(const std::vector<Chart>& charts, const std::vector<std::uint32_t>& order,
+Sheet BestSheet(const std::vector<Tile>& tiles, const std::vector<std::uint32_t>& order,
                 double gap) {
   double area = 0, widest = 0;
   for (const std::uint32_t c : order) {
-    const Extent& extent = charts[c].extent;
+    const Extent& extent = tiles[c].extent;
     area += (extent.width() + gap) * (extent.height() + gap);
     widest = std::max(widest, extent.width());
   }
   Sheet best;
   for (int k = 0; k < kShelves; ++k) {
     const double length = kShortestShelf + (kLongestShelf - kShortestShelf) * k / (kShelves - 1);
-    Sheet sheet = FillShelves(charts, order, std::max(widest, length * std::sqrt(area)), gap);
+    Sheet sheet = FillShelves(tiles, order, std::max(widest, length * std::sqrt(area)), gap);
     if (k == 0 || std::max(sheet.width, sheet.height) < std::max(best.width, best.height)) {
       best = std::move(sheet);
     }
@@ -161,34 +161,84 @@ Complex UprightTurn(std::vector<Complex> points) {
   return turn;
 }
 
-std::vector<ChartMotion> PackCharts(std::span<Complex> uv, std::span<const std::uint32_t> chart,
-                                    const PackOptions& options) {
-  std::vector<Chart> charts = Collect(chart);
-  std::vector<ChartMotion> motions(charts.size());
-  const auto used = std::count_if(charts.begin(), charts.end(),
-                                  [](const Chart& c) { return !c.vertices.empty(); });
+std::vector<Motion> PackCharts(std::span<Complex> uv, std::span<const std::uint32_t> chart,
+                               const PackOptions& options) {
+  std::vector<Tile> tiles = Collect(chart);
+  std::vector<Motion> motions(tiles.size());
+  const auto used = std::count_if(tiles.begin(), tiles.end(),
+                                  [](const Tile& tile) { return !tile.vertices.empty(); });
   if (used < 2) return motions;
   double sides = 0;
-  for (std::size_t c = 0; c < charts.size(); ++c) {
+  for (std::size_t c = 0; c < tiles.size(); ++c) {
     std::vector<Complex> points;
-    for (const std::uint32_t v : charts[c].vertices) points.push_back(uv[v]);
+    for (const std::uint32_t v : tiles[c].vertices) points.push_back(uv[v]);
     if (points.empty()) continue;
     Complex& turn = motions[c].rotation;
     if (options.rotate) turn = UprightTurn(points);
-    for (const Complex p : points) charts[c].extent.Include(turn * p);
-    sides += 0.5 * (charts[c].extent.width() + charts[c].extent.height());
+    for (const Complex p : points) tiles[c].extent.Include(turn * p);
+    sides += 0.5 * (tiles[c].extent.width() + tiles[c].extent.height());
   }
   const double gap = options.gap * sides / static_cast<double>(used);
-  const std::vector<std::uint32_t> order = ByHeight(charts);
-  const Sheet sheet = BestSheet(charts, order, gap);
+  const std::vector<std::uint32_t> order = ByHeight(tiles);
+  const Sheet sheet = BestSheet(tiles, order, gap);
   for (std::size_t k = 0; k < order.size(); ++k) {
-    ChartMotion& motion = motions[order[k]];
-    motion.shift = sheet.corners[k] - charts[order[k]].extent.low;
-    for (const std::uint32_t v : charts[order[k]].vertices) {
+    Motion& motion = motions[order[k]];
+    motion.shift = sheet.corners[k] - tiles[order[k]].extent.low;
+    for (const std::uint32_t v : tiles[order[k]].vertices) {
       uv[v] = motion.rotation * uv[v] + motion.shift;
     }
   }
   return motions;
+}
+
+void PlaceCharts(std::span<const Wishes> wishes, std::span<const std::uint32_t> chart,
+                 std::vector<Complex>& uv, std::vector<Complex>& first_step) {
+  if (wishes.size() < 2) return;
+  std::vector<std::vector<Complex>> points(wishes.size());
+  for (std::size_t v = 0; v < chart.size(); ++v) {
+    if (chart[v] != kNone) points[chart[v]].push_back(uv[v]);
+  }
+  // Pinned charts keep their place and the sheet of the others begins right of them.
+  double right = -std::numeric_limits<double>::infinity(), low = 0;
+  std::vector<Complex> turns(wishes.size(), 1);
+  std::size_t free_charts = 0;
+  for (std::uint32_t c = 0; c < wishes.size(); ++c) {
+    if (wishes[c].pins.empty()) {
+      ++free_charts;
+      if (wishes[c].grain) continue;
+      turns[c] = UprightTurn(std::move(points[c]));
+      continue;
+    }
+    for (const Complex p : points[c]) {
+      if (p.real() > right) right = p.real(), low = p.imag();
+    }
+  }
+  std::vector<std::uint32_t> free(chart.size(), kNone);
+  for (std::size_t v = 0; v < chart.size(); ++v) {
+    if (chart[v] == kNone || !wishes[chart[v]].pins.empty()) continue;
+    free[v] = chart[v];
+    uv[v] *= turns[chart[v]];
+    first_step[v] *= turns[chart[v]];
+  }
+  const auto motions = PackCharts(uv, free, {.gap = 0.05, .rotate = false});
+  for (std::size_t v = 0; v < free.size(); ++v) {
+    if (free[v] == kNone) continue;
+    first_step[v] = motions[free[v]].rotation * first_step[v] + motions[free[v]].shift;
+  }
+  if (free_charts == wishes.size() || free_charts == 0) return;
+  // Beside the pinned ones, a twentieth of the sheet away.
+  double left = std::numeric_limits<double>::infinity(), far = -left;
+  for (std::size_t v = 0; v < free.size(); ++v) {
+    if (free[v] == kNone) continue;
+    left = std::min(left, uv[v].real());
+    far = std::max(far, uv[v].real());
+  }
+  const Complex shift(right - left + 0.05 * (far - left), low);
+  for (std::size_t v = 0; v < free.size(); ++v) {
+    if (free[v] == kNone) continue;
+    uv[v] += shift;
+    first_step[v] += shift;
+  }
 }
 
 }  // namespace arap

@@ -1,4 +1,4 @@
-// Packing: several charts at true size laid side by side.
+// The sheet: several charts at true size laid side by side.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "arap/model/mesh.h"
+#include "core/flatten/layout/wishes.h"
 #include "core/mesh/topology.h"
 
 namespace arap {
@@ -20,7 +21,7 @@ struct PackOptions {
 };
 
 // What became of a chart: p ↦ rotation·p + shift, |rotation| = 1.
-struct ChartMotion {
+struct Motion {
   Complex rotation{1};
   Complex shift{0};
 };
@@ -34,11 +35,18 @@ struct ChartMotion {
 // `chart` (#V) names the chart of every vertex, or kNone for those that belong to none and stay.
 // Answers the motions by chart number; numbers without vertices take no room and are not moved.
 // `uv` must be finite. O(#V log #V). Deterministic, thread-safe.
-std::vector<ChartMotion> PackCharts(std::span<Complex> uv, std::span<const std::uint32_t> chart,
-                                    const PackOptions& options = {});
+std::vector<Motion> PackCharts(std::span<Complex> uv, std::span<const std::uint32_t> chart,
+                               const PackOptions& options = {});
 
 // The turn (unit length, by at most 90°) that brings the smallest rectangle around `points` upright
 // with its long side along x; 1 where they already lie so. O(n log n).
 Complex UprightTurn(std::vector<Complex> points);
+
+// Moves whole charts of `uv` (and of `first_step` alike) so that no bounding boxes overlap: charts
+// with pins stay, the others are packed next to them, turned upright unless a grain line says how
+// they lie. A single chart stays where it is. `chart` (#U) is the chart of each flat position, or
+// kNone.
+void PlaceCharts(std::span<const Wishes> wishes, std::span<const std::uint32_t> chart,
+                 std::vector<Complex>& uv, std::vector<Complex>& first_step);
 
 }  // namespace arap

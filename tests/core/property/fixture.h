@@ -7,22 +7,12 @@
 #include <string>
 #include <vector>
 
-#include <gtest/gtest.h>
-
 #include "arap/core/compiled_handles.h"
 #include "arap/core/deformer.h"
 #include "arap/core/registered_mesh.h"
+#include "tests/support/must.h"
 
 namespace arap::testing {
-
-template <class T>
-T Must(Result<T> result) {
-  if (!result) {
-    ADD_FAILURE() << FaultName(result.error().kind) << ": " << result.error().message;
-    std::abort();
-  }
-  return std::move(*result);
-}
 
 inline std::shared_ptr<const RegisteredMesh> Register(const PlanarMesh& mesh,
                                                       Basis basis = Basis::kEdge,

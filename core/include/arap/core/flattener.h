@@ -2,7 +2,8 @@
 // [II09 §7].
 //
 // Either in one go, or prepared once and flattened again and again: with other pins, anchors and
-// weights, but the same cuts.
+// weights, but the same cuts. Each step and kind of cells costs a factorisation, O(n^1.5) for a
+// chart of n vertices; every refinement and every pin costs two back-substitutions.
 #pragma once
 
 #include <cstddef>
@@ -27,12 +28,16 @@ enum class PinSolver {
 // number per vertex and iteration.
 inline constexpr std::size_t kDirectPins = 32;
 
-// Crossings of a chart's boundary are counted up to this.
-inline constexpr std::size_t kMaxReportedCrossings = 1000;
+// What can be said of the options without the surface, of which only the number of triangles
+// counts: Flatten says the same before anything else. Faults: kInvalidOption (field "refine",
+// "refine_stop", "energy.basis", "energy.weights", "energy.rigidity", "pins[i].u", "pins[i].v",
+// "pins[i].weight", "grain_lines[i].angle"), kArrayLength ("energy.rigidity").
+Status CheckFlattenOptions(const FlattenOptions& options, std::size_t triangles);
 
-// Stateless, thread-safe. `limits` bound the input. Faults: those of CutToCharts and
-// CheckEnergyOptions, kInvalidOption (pins and grain lines by their field), kNotInjective,
-// kNumerical, and whatever `cancel` answers between the phases and in the long loops. Unreferenced
+// Stateless, thread-safe. `limits` bound the input. Faults, in this order: those of
+// CheckFlattenOptions; those of CutToCharts; for pins and grain lines that do not fit the surface
+// kIndexOutOfRange and kInvalidOption (fields "pins[i]…" and "grain_lines[i]…"); kNotInjective;
+// kNumerical; and whatever `cancel` answers between the phases and in the long loops. Unreferenced
 // vertices get the uv (0, 0) and a warning.
 Result<Flattening> Flatten(SurfaceMesh mesh, const FlattenOptions& options,
                            const MeshLimits& limits = {}, const CancelToken& cancel = {},
@@ -67,7 +72,7 @@ Result<std::shared_ptr<const PreparedSurface>> Prepare(SurfaceMesh mesh, const C
                                                        const MeshLimits& limits = {},
                                                        const CancelToken& cancel = {});
 
-// As above, with `options.cut` already done.
+// As Flatten of a mesh, with `options.cut` already done.
 Result<Flattening> Flatten(const PreparedSurface& surface, const FlattenOptions& options,
                            const CancelToken& cancel = {}, PinSolver solver = PinSolver::kAuto);
 

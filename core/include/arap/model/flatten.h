@@ -1,4 +1,7 @@
 // Flattening: what to ask for, what comes back, and how far that is from an isometry [II09 §7].
+//
+// #V and #F are the vertices and triangles of the surface that was given, #U the vertices of the
+// flat one, which has copies along every cut. Lengths, places and uv are in the unit of the input.
 #pragma once
 
 #include <array>
@@ -23,11 +26,11 @@ enum class FlattenAnchors {
   kSpectral,     // none: least energy for a given spread of the boundary, scaled to the true area
 };
 
-// A vertex held at `uv`, in the units of the input; where a cut doubles it, the first copy on each
-// chart. A pin that is alone on its chart is met whatever its weight.
+// A vertex held at `uv`; where a cut doubles it, the first copy on each chart. A pin that is alone
+// on its chart is met whatever its weight.
 struct UvPin {
-  std::uint32_t vertex = 0;
-  Complex uv;         // at most kMaxPinDistance diagonals of the largest chart from 0
+  std::uint32_t vertex = 0;  // of the input
+  Complex uv;                // at most kMaxPinDistance diagonals of the largest chart from 0
   double weight = 0;  // 0: exactly; else on the squared distance, kMinPinWeight…kMaxPinWeight
 
   bool operator==(const UvPin&) const = default;
@@ -35,12 +38,13 @@ struct UvPin {
 
 // The direction from one vertex to another of the same chart, radians from the u axis.
 struct GrainLine {
-  std::uint32_t from = 0, to = 0;
+  std::uint32_t from = 0, to = 0;  // of the input
   double angle = 0;
 
   bool operator==(const GrainLine&) const = default;
 };
 
+// Bounds of what can be asked for.
 inline constexpr int kMaxFlattenRefine = 1000;
 inline constexpr double kMaxPinWeight = 1e9;
 inline constexpr double kMinPinWeight = 1e-9;
@@ -66,10 +70,12 @@ struct CutOptions {
 
 struct FlattenOptions {
   FlattenMethod method = FlattenMethod::kArap;
-  EnergyOptions energy{Basis::kFace, Weights::kCotangent, {}};  // rigidity per input triangle
+  // FACE or EDGE cells, rigidity per input triangle. kAbf takes FACE cells with cotangents only.
+  EnergyOptions energy{Basis::kFace, Weights::kCotangent, {}};
   FlattenAnchors anchors = FlattenAnchors::kCentreEdge;
   // At most so many local/global iterations with FACE cells and cotangent weights, which descend
-  // the energy that is reported; they end when one lowers it by less than `refine_stop` of it.
+  // the energy that is reported, 0 to kMaxFlattenRefine; they end when one lowers it by less than
+  // the part `refine_stop` of it, 0 to 1.
   int refine = 0;
   double refine_stop = 0;
   bool injective = false;  // no flipped triangle, or kNotInjective
@@ -99,14 +105,18 @@ struct Distortion {
   bool operator==(const Distortion&) const = default;
 };
 
-// One connected piece of the layout. Indices are flat positions.
+// Crossings of a chart's boundary are counted up to this.
+inline constexpr std::size_t kMaxReportedCrossings = 1000;
+
+// One connected piece of the layout. Indices are flat positions, below #U.
 struct FlatChart {
   std::vector<std::vector<std::uint32_t>> loops;  // ordered boundaries, the longest first
   std::vector<std::uint32_t> anchors;             // two, or none with several pins or kSpectral
   std::size_t triangles = 0;
   Distortion distortion;
-  std::size_t crossings = 0;  // pairs of boundary segments that cross, counted up to a cap
-  int refinements = 0;        // iterations taken
+  // Pairs of boundary segments that cross, at most kMaxReportedCrossings.
+  std::size_t crossings = 0;
+  int refinements = 0;  // iterations taken
 
   bool operator==(const FlatChart&) const = default;
 };
@@ -122,7 +132,7 @@ struct FlattenTimes {
   bool operator==(const FlattenTimes&) const = default;
 };
 
-// A flat surface, true to size: uv in the units of the input. #U > #V where it was cut.
+// A flat surface, true to size. #U > #V where it was cut.
 struct Flattening {
   std::vector<Complex> uv;                              // #U
   std::vector<std::uint32_t> source;                    // #U, input vertices; the first #V in order

@@ -1,0 +1,46 @@
+// Assembly: a flattening put together from the charts that were laid flat.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "arap/base/cancel.h"
+#include "arap/base/result.h"
+#include "arap/model/flatten.h"
+#include "core/cut/cut_surface.h"
+#include "core/flatten/chart.h"
+#include "core/flatten/chart_layout.h"
+#include "core/flatten/layout/wishes.h"
+
+namespace arap {
+
+// One flattening: Add for every chart of the surface in order, then Finish.
+class Assembly {
+ public:
+  // Refers to both. `charts` are those of `cut`.
+  Assembly(const CutSurface& cut, const std::vector<Chart>& charts);
+
+  void Add(const Chart& chart, ChartLayout layout);
+
+  // Places the charts side by side, then measures them and looks for overlaps. Faults:
+  // kNotInjective (when `injective` is asked for and the last rounding collapses a triangle),
+  // kNumerical, of `cancel`.
+  Result<Flattening> Finish(std::span<const Wishes> wishes, bool injective,
+                            const CancelToken& cancel);
+
+ private:
+  Status CheckUpright() const;
+  void Corners();
+  void Measure();
+  Status FindOverlaps(const CancelToken& cancel);
+
+  const CutSurface& cut_;
+  const std::vector<Chart>& charts_;
+  Flattening flat_;
+  std::vector<std::uint32_t> chart_of_;  // #U
+  std::size_t clamped_ = 0;              // edges whose cotangent was raised
+};
+
+}  // namespace arap
