@@ -1,14 +1,15 @@
 #include "core/drawing/dxf.h"
 
 #include <array>
+#include <cstdint>
 #include <iterator>
 #include <string_view>
 
 #include <fmt/format.h>
 
-#include "core/drawing/svg/view.h"
+#include "core/drawing/outline.h"
 
-namespace arap::cli {
+namespace arap {
 namespace {
 
 struct Layer {
@@ -24,9 +25,9 @@ class Writer {
   void Pair(int code, const Value& value) {
     fmt::format_to(std::back_inserter(text_), "{:>3}\n{}\n", code, value);
   }
-  void Point(int code, double x, double y) {
-    Pair(code, fmt::format("{:.6f}", x));
-    Pair(code + 10, fmt::format("{:.6f}", y));
+  void Point(int code, Complex p) {
+    Pair(code, fmt::format("{:.6f}", p.real()));
+    Pair(code + 10, fmt::format("{:.6f}", p.imag()));
   }
   void Begin(std::string_view name) {
     Pair(0, "SECTION");
@@ -40,13 +41,12 @@ class Writer {
     Pair(8, layer);
     Pair(66, 1);  // vertices follow
     Pair(70, closed ? 1 : 0);
-    Point(10, 0, 0);
+    Point(10, 0);
     Pair(30, "0.0");
     for (std::size_t i = 0; i < count; ++i) {
       Pair(0, "VERTEX");
       Pair(8, layer);
-      const std::array<double, 2> p = point_at(i);
-      Point(10, p[0], p[1]);
+      Point(10, point_at(i));
       Pair(30, "0.0");
     }
     Pair(0, "SEQEND");
@@ -62,7 +62,7 @@ class Writer {
 void WriteHeader(const Pattern& pattern, Writer& out) {
   Bounds bounds;
   for (const auto& loop : pattern.outlines) {
-    for (const std::uint32_t u : loop) bounds.Add({&pattern.points[2 * u], 2});
+    for (const std::uint32_t u : loop) bounds.Add(pattern.points[u]);
   }
   for (const Ring& ring : pattern.allowance) bounds.Add(ring);
   out.Pair(999, "millimetres");
@@ -70,10 +70,10 @@ void WriteHeader(const Pattern& pattern, Writer& out) {
   out.Pair(9, "$ACADVER");
   out.Pair(1, "AC1009");
   out.Pair(9, "$EXTMIN");
-  out.Point(10, bounds.min_x, bounds.min_y);
+  out.Point(10, {bounds.min_x, bounds.min_y});
   out.Pair(30, "0.0");
   out.Pair(9, "$EXTMAX");
-  out.Point(10, bounds.max_x, bounds.max_y);
+  out.Point(10, {bounds.max_x, bounds.max_y});
   out.Pair(30, "0.0");
   out.End();
 }
@@ -113,9 +113,7 @@ std::string FormatDxf(const Pattern& pattern) {
   WriteTables(out);
   out.Begin("ENTITIES");
   const auto along = [&](const std::vector<std::uint32_t>& line) {
-    return [&pattern, &line](std::size_t i) {
-      return std::array{pattern.points[2 * line[i]], pattern.points[2 * line[i] + 1]};
-    };
+    return [&pattern, &line](std::size_t i) { return pattern.points[line[i]]; };
   };
   for (const auto& loop : pattern.outlines) {
     out.Polyline("OUTLINE", loop.size(), /*closed=*/true, along(loop));
@@ -124,16 +122,14 @@ std::string FormatDxf(const Pattern& pattern) {
     out.Polyline("SEAM", seam.size(), /*closed=*/false, along(seam));
   }
   for (const Ring& ring : pattern.allowance) {
-    out.Polyline("CUT", ring.size() / 2, /*closed=*/true, [&ring](std::size_t i) {
-      return std::array{ring[2 * i], ring[2 * i + 1]};
-    });
+    out.Polyline("CUT", ring.size(), /*closed=*/true, [&ring](std::size_t i) { return ring[i]; });
   }
   for (const auto& line : pattern.grain_lines) {
     out.Pair(0, "LINE");
     out.Pair(8, "GRAIN");
-    out.Point(10, line[0], line[1]);
+    out.Point(10, line[0]);
     out.Pair(30, "0.0");
-    out.Point(11, line[2], line[3]);
+    out.Point(11, line[1]);
     out.Pair(31, "0.0");
   }
   out.End();
@@ -141,4 +137,4 @@ std::string FormatDxf(const Pattern& pattern) {
   return out.Take();
 }
 
-}  // namespace arap::cli
+}  // namespace arap

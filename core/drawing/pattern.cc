@@ -2,27 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <cstddef>
-#include <numbers>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <utility>
 
-#include "core/drawing/svg/view.h"
-
-namespace arap::cli {
+namespace arap {
 namespace {
 
-using Point = std::complex<double>;
 using Loop = std::vector<std::uint32_t>;
 
+// Edges as pairs of vertices in either order.
 class EdgeSet {
  public:
-  explicit EdgeSet(std::span<const std::uint32_t> pairs) {
-    for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) {
-      edges_.insert(std::minmax(pairs[i], pairs[i + 1]));
-    }
+  explicit EdgeSet(std::span<const std::array<std::uint32_t, 2>> pairs) {
+    for (const auto& [a, b] : pairs) edges_.insert(std::minmax(a, b));
   }
   bool Has(std::uint32_t a, std::uint32_t b) const { return edges_.contains(std::minmax(a, b)); }
 
@@ -31,11 +26,11 @@ class EdgeSet {
 };
 
 // The runs of edges of a closed loop that are cuts. A loop of cuts only repeats its first vertex.
-std::vector<Loop> CutRuns(const Loop& loop, const client::FlatSurface& flat, const EdgeSet& cuts) {
+std::vector<Loop> CutRuns(const Loop& loop, const Flattening& flat, const EdgeSet& cuts) {
   const std::size_t n = loop.size();
   std::vector<bool> cut(n);  // the edge after each vertex
   for (std::size_t i = 0; i < n; ++i) {
-    cut[i] = cuts.Has(flat.uv_vertex[loop[i]], flat.uv_vertex[loop[(i + 1) % n]]);
+    cut[i] = cuts.Has(flat.source[loop[i]], flat.source[loop[(i + 1) % n]]);
   }
   const auto whole = std::find(cut.begin(), cut.end(), false);
   const auto start = static_cast<std::size_t>(whole == cut.end() ? 0 : whole - cut.begin());
@@ -50,39 +45,33 @@ std::vector<Loop> CutRuns(const Loop& loop, const client::FlatSurface& flat, con
 }
 
 // The chart of each flat position; positions of no triangle have none.
-std::vector<std::optional<std::uint32_t>> Charts(const client::FlatSurface& flat) {
-  std::vector<std::optional<std::uint32_t>> charts(flat.uv.size() / 2);
-  for (std::size_t c = 0; c < flat.corner_uv.size(); ++c) {
-    if (c / 3 < flat.triangle_chart.size()) {
-      charts[flat.corner_uv[c]] = flat.triangle_chart[c / 3];
-    }
+std::vector<std::optional<std::uint32_t>> Charts(const Flattening& flat) {
+  std::vector<std::optional<std::uint32_t>> charts(flat.uv.size());
+  for (std::size_t t = 0; t < std::min(flat.corner_uv.size(), flat.triangle_chart.size()); ++t) {
+    for (const std::uint32_t u : flat.corner_uv[t]) charts[u] = flat.triangle_chart[t];
   }
   return charts;
 }
 
-Point At(std::span<const double> points, std::size_t i) {
-  return {points[2 * i], points[2 * i + 1]};
-}
-
-// Seams double vertices: of the copies on one chart, those that point best where they were asked
-// to.
+// The flat positions that a grain line goes between. Seams double vertices: of the copies on one
+// chart, those that point best where they were asked to.
 std::optional<std::pair<std::uint32_t, std::uint32_t>> EndsOf(
-    const client::GrainLine& line, const client::FlatSurface& flat,
+    const GrainLine& line, const Flattening& flat,
     std::span<const std::optional<std::uint32_t>> charts) {
-  const Point wanted = std::polar(1.0, line.angle_degrees * std::numbers::pi / 180);
+  const Complex wanted = std::polar(1.0, line.angle);
   std::optional<std::pair<std::uint32_t, std::uint32_t>> best;
   double best_cosine = -2;
   const auto copies = [&](std::uint32_t vertex) {
     std::vector<std::uint32_t> found;
     for (std::uint32_t u = 0; u < charts.size(); ++u) {
-      if (flat.uv_vertex[u] == vertex && charts[u]) found.push_back(u);
+      if (flat.source[u] == vertex && charts[u]) found.push_back(u);
     }
     return found;
   };
-  const auto ends = copies(line.to_vertex);
-  for (const std::uint32_t from : copies(line.from_vertex)) {
+  const auto ends = copies(line.to);
+  for (const std::uint32_t from : copies(line.from)) {
     for (const std::uint32_t to : ends) {
-      const Point along = At(flat.uv, to) - At(flat.uv, from);
+      const Complex along = flat.uv[to] - flat.uv[from];
       if (charts[from] != charts[to] || along == 0.0) continue;
       const double cosine = (std::conj(wanted) * along).real() / std::abs(along);
       if (cosine > best_cosine) best = {from, to};
@@ -97,14 +86,14 @@ bool Touch(const Bounds& a, const Bounds& b) {
 }
 
 // How far to move each box so that all stand in rows about as long as they are high together.
-std::vector<Point> SetOut(const std::vector<Bounds>& boxes, double gap) {
+std::vector<Complex> SetOut(const std::vector<Bounds>& boxes, double gap) {
   double area = 0, widest = 0;
   for (const Bounds& box : boxes) {
     area += (box.width() + gap) * (box.height() + gap);
     widest = std::max(widest, box.width());
   }
   const double row_width = std::max(widest, 1.25 * std::sqrt(area));
-  std::vector<Point> moves;
+  std::vector<Complex> moves;
   double x = 0, y = 0, row_height = 0;
   for (const Bounds& box : boxes) {
     if (x > 0 && x + box.width() > row_width) {
@@ -118,24 +107,15 @@ std::vector<Point> SetOut(const std::vector<Bounds>& boxes, double gap) {
   return moves;
 }
 
-void Move(Point by, Ring& ring) {
-  for (std::size_t i = 0; i + 1 < ring.size(); i += 2) {
-    ring[i] += by.real();
-    ring[i + 1] += by.imag();
-  }
-}
-
-void AddAllowance(const client::FlatSurface& flat, double width,
+void AddAllowance(const Flattening& flat, double width,
                   std::span<const std::optional<std::uint32_t>> charts, Pattern& pattern) {
   std::vector<std::vector<Ring>> borders;
   std::vector<Bounds> boxes;
-  for (const client::FlatChart& chart : flat.charts) {
+  for (const FlatChart& chart : flat.charts) {
     std::vector<Ring> rings;
     for (const Loop& loop : chart.loops) {
       Ring& ring = rings.emplace_back();
-      for (const std::uint32_t u : loop) {
-        ring.insert(ring.end(), {pattern.points[2 * u], pattern.points[2 * u + 1]});
-      }
+      for (const std::uint32_t u : loop) ring.push_back(pattern.points[u]);
     }
     borders.push_back(OffsetOutwards(rings, width));
     Bounds& box = boxes.emplace_back();
@@ -146,14 +126,15 @@ void AddAllowance(const client::FlatSurface& flat, double width,
     for (std::size_t k = 0; k < i; ++k) touch = touch || Touch(boxes[i], boxes[k]);
   }
   if (touch) {
-    const std::vector<Point> moves = SetOut(boxes, width);
+    const std::vector<Complex> moves = SetOut(boxes, width);
     for (std::size_t u = 0; u < charts.size(); ++u) {
       if (!charts[u] || *charts[u] >= moves.size()) continue;
-      pattern.points[2 * u] += moves[*charts[u]].real();
-      pattern.points[2 * u + 1] += moves[*charts[u]].imag();
+      pattern.points[u] += moves[*charts[u]];
     }
     for (std::size_t i = 0; i < borders.size(); ++i) {
-      for (Ring& ring : borders[i]) Move(moves[i], ring);
+      for (Ring& ring : borders[i]) {
+        for (Complex& p : ring) p += moves[i];
+      }
     }
   }
   for (auto& rings : borders) {
@@ -163,14 +144,14 @@ void AddAllowance(const client::FlatSurface& flat, double width,
 
 }  // namespace
 
-Pattern MakePattern(const client::FlatSurface& flat, const PatternOptions& options) {
+Pattern MakePattern(const Flattening& flat, const PatternOptions& options) {
   Pattern pattern;
   pattern.points = flat.uv;
-  for (double& x : pattern.points) x *= options.millimetres_per_unit;
+  for (Complex& p : pattern.points) p *= options.millimetres_per_unit;
   pattern.triangles = flat.corner_uv;
   pattern.singular_values = flat.singular_values;
-  const EdgeSet cuts(flat.cut_edges);
-  for (const client::FlatChart& chart : flat.charts) {
+  const EdgeSet cuts(flat.cuts);
+  for (const FlatChart& chart : flat.charts) {
     for (const Loop& loop : chart.loops) {
       pattern.outlines.push_back(loop);
       for (Loop& run : CutRuns(loop, flat, cuts)) pattern.seams.push_back(std::move(run));
@@ -178,13 +159,12 @@ Pattern MakePattern(const client::FlatSurface& flat, const PatternOptions& optio
   }
   const auto charts = Charts(flat);
   if (options.allowance > 0) AddAllowance(flat, options.allowance, charts, pattern);
-  for (const client::GrainLine& line : options.grain_lines) {
+  for (const GrainLine& line : options.grain_lines) {
     if (const auto ends = EndsOf(line, flat, charts)) {
-      const Point a = At(pattern.points, ends->first), b = At(pattern.points, ends->second);
-      pattern.grain_lines.push_back({a.real(), a.imag(), b.real(), b.imag()});
+      pattern.grain_lines.push_back({pattern.points[ends->first], pattern.points[ends->second]});
     }
   }
   return pattern;
 }
 
-}  // namespace arap::cli
+}  // namespace arap

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace arap::cli {
+namespace arap {
 
 Result<std::string> ReadTextFile(const std::string& path) {
   errno = 0;
@@ -33,4 +33,4 @@ Status WriteTextFile(const std::string& path, std::string_view text) {
   return {};
 }
 
-}  // namespace arap::cli
+}  // namespace arap

@@ -6,11 +6,11 @@
 
 #include "arap/base/result.h"
 
-namespace arap::cli {
+namespace arap {
 
 // kNotFound with the path and the system's reason.
 Result<std::string> ReadTextFile(const std::string& path);
 // kInternal with the path and the system's reason.
 Status WriteTextFile(const std::string& path, std::string_view text);
 
-}  // namespace arap::cli
+}  // namespace arap

@@ -1,14 +1,20 @@
 #include "core/files/track.h"
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <iterator>
 #include <set>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/base/try.h"
 #include "core/files/text_file.h"
 
-namespace arap::cli {
+namespace arap {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -19,10 +25,10 @@ auto Bad(const std::string& message) {
 
 // The member when it is there, else null. Never throws, whatever `object` is.
 const Json& Member(const Json& object, const char* name) {
-  static const Json kNull;
-  if (!object.is_object()) return kNull;
+  static const Json* const kNull = new Json;
+  if (!object.is_object()) return *kNull;
   const auto found = object.find(name);
-  return found == object.end() ? kNull : *found;
+  return found == object.end() ? *kNull : *found;
 }
 
 bool ReadNumbers(const Json& array, std::size_t count, double* out) {
@@ -31,6 +37,13 @@ bool ReadNumbers(const Json& array, std::size_t count, double* out) {
     if (!array[i].is_number()) return false;
     out[i] = array[i].get<double>();
   }
+  return true;
+}
+
+bool ReadPoint(const Json& array, Complex& out) {
+  std::array<double, 2> xy{};
+  if (!ReadNumbers(array, 2, xy.data())) return false;
+  out = {xy[0], xy[1]};
   return true;
 }
 
@@ -55,53 +68,49 @@ bool ReadOptional(const Json& array, std::size_t count, std::vector<double>& out
   return ReadNumbers(array, count, out.data());
 }
 
-bool ReadGrip(const Json& json, TrackHandle& handle) {
-  if (const Json& weight = Member(json, "weight"); weight.is_number()) {
-    handle.weight = weight.get<double>();
-  } else if (!weight.is_null()) {
-    return false;
-  }
-  return ReadOptional(Member(json, "hard"), handle.hard) &&
-         ReadOptional(Member(json, "oriented"), handle.oriented) &&
-         ReadOptional(Member(json, "snap"), handle.snap) &&
-         ReadOptional(Member(json, "area_radius"), handle.area_radius) &&
-         ReadOptional(Member(json, "depth"), handle.depth) &&
-         ReadOptional(Member(json, "depth_falloff"), handle.depth_falloff);
+bool ReadGrip(const Json& json, TrackHandle& out) {
+  Handle& handle = out.handle;
+  out.own_weight = Member(json, "weight").is_number();
+  bool snap = false;
+  const bool good = ReadOptional(Member(json, "weight"), handle.weight) &&
+                    ReadOptional(Member(json, "hard"), handle.hard) &&
+                    ReadOptional(Member(json, "oriented"), handle.oriented) &&
+                    ReadOptional(Member(json, "snap"), snap) &&
+                    ReadOptional(Member(json, "area_radius"), handle.area_radius) &&
+                    ReadOptional(Member(json, "depth"), handle.depth) &&
+                    ReadOptional(Member(json, "depth_falloff"), handle.depth_falloff);
+  if (snap) handle.outside = Outside::kSnap;
+  return good;
 }
 
 // `number` names a handle without a name.
 Result<TrackHandle> ReadHandle(const Json& json, const std::string& where, std::size_t number) {
-  TrackHandle handle;
+  TrackHandle out;
   const Json& name = Member(json, "name");
-  handle.name = name.is_string() ? name.get<std::string>() : fmt::format("h{}", number);
-  std::array<double, 2> rest{};
-  if (!ReadNumbers(Member(json, "rest"), 2, rest.data())) {
-    return Bad(where + " needs \"rest\": [x, y]");
-  }
-  handle.rest_x = rest[0];
-  handle.rest_y = rest[1];
+  out.handle.id = name.is_string() ? name.get<std::string>() : fmt::format("h{}", number);
+  if (!ReadPoint(Member(json, "rest"), out.rest)) return Bad(where + " needs \"rest\": [x, y]");
   if (!Member(json, "triangle").is_null()) {
-    client::TriangleAnchor anchor;
+    TriangleAnchor anchor;
     if (!ReadIndex(Member(json, "triangle"), anchor.triangle) ||
         !ReadNumbers(Member(json, "bary"), 3, anchor.barycentric.data())) {
       return Bad(where + " needs \"triangle\": index with \"bary\": [a, b, c]");
     }
-    handle.anchor = anchor;
+    out.handle.anchor = anchor;
   } else if (!Member(json, "vertex").is_null()) {
-    client::VertexAnchor anchor;
+    VertexAnchor anchor;
     if (!ReadIndex(Member(json, "vertex"), anchor.vertex)) {
       return Bad(where + ": \"vertex\" is not an index");
     }
-    handle.anchor = anchor;
+    out.handle.anchor = anchor;
   } else {
-    handle.anchor = client::PointAnchor{rest[0], rest[1]};
+    out.handle.anchor = PointAnchor{out.rest};
   }
-  if (!ReadGrip(json, handle)) {
+  if (!ReadGrip(json, out)) {
     return Bad(where +
                ": weight, area_radius, depth and depth_falloff are numbers; hard, oriented "
                "and snap are true or false");
   }
-  return handle;
+  return out;
 }
 
 // `number` is that of the first handle that it adds.
@@ -122,10 +131,9 @@ Result<TrackEdit> ReadEdit(const Json& json, std::size_t index, std::size_t numb
   }
   for (const Json& entry : add) {
     const std::size_t k = edit.add.size();
-    Result<TrackHandle> handle =
-        ReadHandle(entry, fmt::format("edit {}: handle {}", index, k), number + k);
-    if (!handle) return Fail(handle.error());
-    edit.add.push_back(*std::move(handle));
+    TRY(TrackHandle handle,
+        ReadHandle(entry, fmt::format("edit {}: handle {}", index, k), number + k));
+    edit.add.push_back(std::move(handle));
   }
   return edit;
 }
@@ -134,29 +142,28 @@ Status ReadEdits(const Json& edits, Track& track) {
   if (!edits.is_null() && !edits.is_array()) return Bad("\"edits\" is not an array");
   std::size_t number = track.handles.size();
   for (const Json& entry : edits) {
-    Result<TrackEdit> edit = ReadEdit(entry, track.edits.size(), number);
-    if (!edit) return Fail(edit.error());
-    number += edit->add.size();
-    track.edits.push_back(*std::move(edit));
+    TRY(TrackEdit edit, ReadEdit(entry, track.edits.size(), number));
+    number += edit.add.size();
+    track.edits.push_back(std::move(edit));
   }
   return {};
 }
 
 // Frames grow and are those of the track; what is removed is there.
 Status CheckEdits(const Track& track) {
-  std::set<std::string> names;
-  for (const TrackHandle& handle : track.handles) names.insert(handle.name);
+  std::set<std::string> ids;
+  for (const TrackHandle& entry : track.handles) ids.insert(entry.handle.id);
   for (std::size_t i = 0; i < track.edits.size(); ++i) {
     const TrackEdit& edit = track.edits[i];
     if (edit.frame >= track.frames.size() || (i > 0 && edit.frame <= track.edits[i - 1].frame)) {
       return Bad(fmt::format("edit {}: the frames of edits are frames of the track and grow", i));
     }
-    for (const std::string& name : edit.remove) {
-      if (names.erase(name) == 0) {
-        return Bad(fmt::format("edit {} removes \"{}\", which is not there", i, name));
+    for (const std::string& id : edit.remove) {
+      if (ids.erase(id) == 0) {
+        return Bad(fmt::format("edit {} removes \"{}\", which is not there", i, id));
       }
     }
-    for (const TrackHandle& handle : edit.add) names.insert(handle.name);
+    for (const TrackHandle& entry : edit.add) ids.insert(entry.handle.id);
   }
   return {};
 }
@@ -169,17 +176,76 @@ Result<TrackFrame> ReadFrame(const Json& json, std::size_t index, std::size_t ha
   if (!targets.is_array() || targets.size() != handle_count) {
     return Bad(fmt::format("frame {} needs \"targets\" with one pair per handle", index));
   }
-  frame.targets.resize(2 * handle_count);
+  std::vector<double> angles(handle_count, 0), scales(handle_count, 1);
+  frame.targets.resize(handle_count);
   for (std::size_t k = 0; k < handle_count; ++k) {
-    if (!ReadNumbers(targets[k], 2, &frame.targets[2 * k])) {
+    if (!ReadPoint(targets[k], frame.targets[k].position)) {
       return Bad(fmt::format("frame {}: target {} is not [x, y]", index, k));
     }
   }
-  if (!ReadOptional(Member(json, "angles"), handle_count, frame.angles) ||
-      !ReadOptional(Member(json, "scales"), handle_count, frame.scales)) {
+  if (!ReadOptional(Member(json, "angles"), handle_count, angles) ||
+      !ReadOptional(Member(json, "scales"), handle_count, scales)) {
     return Bad(fmt::format("frame {}: angles and scales have one number per handle", index));
   }
+  for (std::size_t k = 0; k < handle_count; ++k) {
+    frame.targets[k].angle = angles[k];
+    frame.targets[k].scale = scales[k];
+  }
   return frame;
+}
+
+struct AnchorToJson {
+  Json& out;
+
+  void operator()(const VertexAnchor& anchor) const { out["vertex"] = anchor.vertex; }
+  void operator()(const TriangleAnchor& anchor) const {
+    out["triangle"] = anchor.triangle;
+    out["bary"] = anchor.barycentric;
+  }
+  void operator()(const PointAnchor&) const {}
+};
+
+// Only what differs from the defaults.
+Json ToJson(const TrackHandle& entry) {
+  const Handle& handle = entry.handle;
+  Json json;
+  json["name"] = handle.id;
+  json["rest"] = {entry.rest.real(), entry.rest.imag()};
+  std::visit(AnchorToJson{json}, handle.anchor);
+  if (entry.own_weight) json["weight"] = handle.weight;
+  if (handle.hard) json["hard"] = true;
+  if (handle.oriented) json["oriented"] = true;
+  if (handle.outside == Outside::kSnap) json["snap"] = true;
+  if (handle.area_radius != 0) json["area_radius"] = handle.area_radius;
+  if (handle.depth != 0) json["depth"] = handle.depth;
+  if (handle.depth_falloff != 0) json["depth_falloff"] = handle.depth_falloff;
+  return json;
+}
+
+Json ToJson(const TrackFrame& frame, std::size_t index) {
+  Json json;
+  json["i"] = index;
+  json["kind"] = frame.kind;
+  json["targets"] = Json::array();
+  bool turned = false, scaled = false;
+  for (const Target& target : frame.targets) {
+    json["targets"].push_back({target.position.real(), target.position.imag()});
+    turned = turned || target.angle != 0;
+    scaled = scaled || target.scale != 1;
+  }
+  for (const Target& target : frame.targets) {
+    if (turned) json["angles"].push_back(target.angle);
+    if (scaled) json["scales"].push_back(target.scale);
+  }
+  return json;
+}
+
+Json ToJson(const TrackEdit& edit) {
+  Json json;
+  json["frame"] = edit.frame;
+  if (!edit.remove.empty()) json["remove"] = edit.remove;
+  for (const TrackHandle& entry : edit.add) json["add"].push_back(ToJson(entry));
+  return json;
 }
 
 }  // namespace
@@ -202,30 +268,96 @@ Result<Track> ParseTrack(std::string_view text) {
     return Bad("\"rigidity\" is not an array of numbers");
   }
   for (const Json& entry : handles) {
-    Result<TrackHandle> handle =
-        ReadHandle(entry, fmt::format("handle {}", track.handles.size()), track.handles.size());
-    if (!handle) return Fail(handle.error());
-    track.handles.push_back(*std::move(handle));
+    const std::size_t k = track.handles.size();
+    TRY(TrackHandle handle, ReadHandle(entry, fmt::format("handle {}", k), k));
+    track.handles.push_back(std::move(handle));
   }
-  if (Status read = ReadEdits(Member(json, "edits"), track); !read) return Fail(read.error());
+  CHECK_OK(ReadEdits(Member(json, "edits"), track));
   track.frames.resize(frames.size());
-  if (Status good = CheckEdits(track); !good) return Fail(good.error());
+  CHECK_OK(CheckEdits(track));
   for (const TrackSegment& segment : SegmentsOf(track)) {
     for (std::size_t i = segment.first; i < segment.end; ++i) {
-      Result<TrackFrame> frame = ReadFrame(frames[i], i, segment.ids.size());
-      if (!frame) return Fail(frame.error());
-      track.frames[i] = *std::move(frame);
+      TRY(track.frames[i], ReadFrame(frames[i], i, segment.ids.size()));
     }
   }
   return track;
 }
 
 Result<Track> ReadTrack(const std::string& path) {
-  const Result<std::string> text = ReadTextFile(path);
-  if (!text) return Fail(text.error());
-  Result<Track> track = ParseTrack(*text);
+  TRY(const std::string text, ReadTextFile(path));
+  Result<Track> track = ParseTrack(text);
   if (!track) track.error().message = path + ": " + track.error().message;
   return track;
 }
 
-}  // namespace arap::cli
+std::string FormatTrack(const Track& track) {
+  Json json;
+  if (!track.mesh.empty()) json["mesh"] = track.mesh;
+  if (track.row_weight) json["w"] = *track.row_weight;
+  json["handles"] = Json::array();
+  for (const TrackHandle& entry : track.handles) json["handles"].push_back(ToJson(entry));
+  json["frames"] = Json::array();
+  for (const TrackFrame& frame : track.frames) {
+    json["frames"].push_back(ToJson(frame, json["frames"].size()));
+  }
+  for (const TrackEdit& edit : track.edits) json["edits"].push_back(ToJson(edit));
+  if (!track.rigidity.empty()) json["rigidity"] = track.rigidity;
+  return json.dump() + "\n";
+}
+
+std::vector<Handle> ToHandles(const Track& track, std::span<const TrackHandle> entries, bool hard) {
+  std::vector<Handle> handles;
+  for (const TrackHandle& entry : entries) {
+    Handle& handle = handles.emplace_back(entry.handle);
+    handle.hard = hard || handle.hard;
+    if (handle.hard) {
+      handle.weight = Handle::kDefaultWeight;
+    } else if (!entry.own_weight && track.row_weight) {
+      handle.weight = *track.row_weight * *track.row_weight;
+    }
+  }
+  return handles;
+}
+
+std::vector<Handle> ToHandles(const Track& track, bool hard) {
+  return ToHandles(track, track.handles, hard);
+}
+
+std::vector<TrackSegment> SegmentsOf(const Track& track) {
+  std::vector<TrackSegment> segments(1);
+  std::size_t number = 0;
+  const auto append = [&](const std::vector<TrackHandle>& entries) {
+    for (const TrackHandle& entry : entries) {
+      segments.back().ids.push_back(entry.handle.id);
+      segments.back().numbers.push_back(number++);
+    }
+  };
+  append(track.handles);
+  for (const TrackEdit& edit : track.edits) {
+    if (edit.frame > 0) {
+      TrackSegment next = segments.back();
+      segments.back().end = next.first = edit.frame;
+      segments.push_back(std::move(next));
+    }
+    TrackSegment& segment = segments.back();
+    segment.edit = &edit;
+    for (const std::string& id : edit.remove) {
+      const auto found = std::find(segment.ids.begin(), segment.ids.end(), id);
+      if (found == segment.ids.end()) continue;
+      segment.numbers.erase(segment.numbers.begin() + (found - segment.ids.begin()));
+      segment.ids.erase(found);
+    }
+    append(edit.add);
+  }
+  segments.back().end = track.frames.size();
+  return segments;
+}
+
+const TrackSegment& SegmentAt(std::span<const TrackSegment> segments, std::size_t frame) {
+  const auto next = std::upper_bound(
+      segments.begin() + 1, segments.end(), frame,
+      [](std::size_t f, const TrackSegment& segment) { return f < segment.first; });
+  return *std::prev(next);
+}
+
+}  // namespace arap

@@ -26,34 +26,27 @@
 // "add". Other members are ignored.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "arap/base/result.h"
-#include "arap/client/handles.h"
+#include "arap/model/handle.h"
 
-namespace arap::cli {
+namespace arap {
 
 struct TrackHandle {
-  std::string name;
-  double rest_x = 0, rest_y = 0;
-  std::variant<client::VertexAnchor, client::TriangleAnchor, client::PointAnchor> anchor;
-  std::optional<double> weight = std::nullopt;  // of the squared miss
-  bool hard = false, oriented = false, snap = false;
-  double area_radius = 0, depth = 0, depth_falloff = 0;
+  Handle handle;            // its weight counts when `own_weight` says so
+  Complex rest;             // units of the mesh
+  bool own_weight = false;  // else the track's `row_weight` makes it, else it is the default
 };
 
 struct TrackFrame {
   std::string kind;
-  std::vector<double> targets;  // x y x y…, length 2·#handles
-  std::vector<double> angles;   // radians, length 0 or #handles
-  std::vector<double> scales;   // length 0 or #handles
+  std::vector<Target> targets;  // one per handle
 };
 
 // A change of the handles. Removals come first.
@@ -72,16 +65,18 @@ struct Track {
   std::vector<double> rigidity;  // per triangle, or empty
 };
 
+// Faults are kInvalidOption, "track: " and what is wrong where.
 Result<Track> ParseTrack(std::string_view json);
+// The same of a file; its faults name it. kNotFound when it cannot be read.
 Result<Track> ReadTrack(const std::string& path);
 // The text of a track that ParseTrack reads back exactly.
 std::string FormatTrack(const Track& track);
 
-// The handles for the server; `hard` ones meet their targets exactly.
-std::vector<client::Handle> ToHandles(const Track& track, bool hard);
+// The handles as the core takes them, with the weight that counts. With `hard` all of them meet
+// their targets exactly; the weight of a hard handle is the default.
+std::vector<Handle> ToHandles(const Track& track, bool hard);
 // Those that an edit of the track adds.
-std::vector<client::Handle> ToHandles(const Track& track, std::span<const TrackHandle> entries,
-                                      bool hard);
+std::vector<Handle> ToHandles(const Track& track, std::span<const TrackHandle> entries, bool hard);
 
 // Frames that have the same handles.
 struct TrackSegment {
@@ -96,4 +91,4 @@ std::vector<TrackSegment> SegmentsOf(const Track& track);
 // The one of them that has the frame.
 const TrackSegment& SegmentAt(std::span<const TrackSegment> segments, std::size_t frame);
 
-}  // namespace arap::cli
+}  // namespace arap

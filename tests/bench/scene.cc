@@ -89,16 +89,7 @@ Scene GridScene(std::size_t vertices) {
 Scene CharacterScene(std::size_t vertices) {
   // Its area is 16 680 square units; a vertex takes two equilateral triangles.
   const double edge = std::sqrt(2 * 16680 / (std::numbers::sqrt3 * static_cast<double>(vertices)));
-  const auto sample = cli::MakeCharacter(edge);
-  PlanarMesh mesh;
-  for (std::size_t v = 0; v < sample.vertex_count(); ++v) {
-    mesh.vertices.emplace_back(sample.vertices[2 * v], sample.vertices[2 * v + 1]);
-  }
-  for (std::size_t t = 0; t < sample.triangles.size(); t += 3) {
-    mesh.triangles.push_back(
-        {sample.triangles[t], sample.triangles[t + 1], sample.triangles[t + 2]});
-  }
-  return SceneOf("character", std::move(mesh));
+  return SceneOf("character", cli::MakeCharacter(edge));
 }
 
 }  // namespace arap::bench

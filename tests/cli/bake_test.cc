@@ -39,11 +39,12 @@ class Bake : public FolderTest {
     ASSERT_EQ(csv.rows.size(), rows);
     for (std::size_t i = 0; i < rows; ++i) {
       EXPECT_EQ(csv.frames[i], i);
-      ASSERT_EQ(csv.rows[i].size(), mesh->vertices.size());
+      ASSERT_EQ(csv.rows[i].size(), 2 * mesh->vertices.size());
       for (const double x : csv.rows[i]) ASSERT_TRUE(std::isfinite(x)) << "frame " << i;
     }
     for (std::size_t k = 0; k < mesh->vertices.size(); ++k) {
-      ASSERT_NEAR(csv.rows[0][k], mesh->vertices[k], 1e-6) << "coordinate " << k;
+      ASSERT_NEAR(csv.rows[0][2 * k], mesh->vertices[k].real(), 1e-6) << "vertex " << k;
+      ASSERT_NEAR(csv.rows[0][2 * k + 1], mesh->vertices[k].imag(), 1e-6) << "vertex " << k;
     }
   }
 };

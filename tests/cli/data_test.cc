@@ -27,24 +27,6 @@ T Must(Result<T> result) {
   return *std::move(result);
 }
 
-template <class Mesh>
-std::vector<Triangle> TrianglesOf(const Mesh& mesh) {
-  std::vector<Triangle> triangles;
-  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
-    triangles.push_back({mesh.triangles[i], mesh.triangles[i + 1], mesh.triangles[i + 2]});
-  }
-  return triangles;
-}
-
-PlanarMesh ReadPlane(const fs::path& file) {
-  const client::PlanarMesh read = Must(ReadPlanarMesh(file.string()));
-  PlanarMesh mesh{{}, TrianglesOf(read)};
-  for (std::size_t i = 0; i < read.vertices.size(); i += 2) {
-    mesh.vertices.emplace_back(read.vertices[i], read.vertices[i + 1]);
-  }
-  return mesh;
-}
-
 class DataTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -55,33 +37,19 @@ class DataTest : public ::testing::Test {
   fs::path data_;
 };
 
-std::vector<Handle> HandlesOf(const Track& track) {
-  std::vector<Handle> handles;
-  for (const TrackHandle& h : track.handles) {
-    Handle handle;
-    handle.id = h.name;
-    const auto& anchor = std::get<client::TriangleAnchor>(h.anchor);
-    handle.anchor = TriangleAnchor{anchor.triangle, anchor.barycentric};
-    handles.push_back(handle);
-  }
-  return handles;
-}
-
 // Every frame is finite, and what it says of its flips is what a recount finds.
 void CheckTrack(const fs::path& file, Basis basis) {
   SCOPED_TRACE(file.filename().string());
   const Track track = Must(ReadTrack(file.string()));
-  const PlanarMesh mesh = ReadPlane(file.parent_path() / track.mesh);
+  const PlanarMesh mesh = Must(ReadPlanarMesh((file.parent_path() / track.mesh).string()));
   const auto registered = Must(RegisteredMesh::Register(mesh, {basis, Weights::kUniform, {}}));
-  const auto set = Must(CompiledHandles::Compile(registered, HandlesOf(track)));
+  std::vector<Handle> handles;
+  for (const TrackHandle& entry : track.handles) handles.push_back(entry.handle);
+  const auto set = Must(CompiledHandles::Compile(registered, handles));
   Deformer deformer(set);
   std::size_t flips = 0;
   for (const TrackFrame& frame : track.frames) {
-    std::vector<Target> targets;
-    for (std::size_t i = 0; i < frame.targets.size(); i += 2) {
-      targets.push_back({{frame.targets[i], frame.targets[i + 1]}, 0, 1});
-    }
-    const ShapeQuality quality = Must(deformer.Update(targets));
+    const ShapeQuality quality = Must(deformer.Update(frame.targets));
     ASSERT_TRUE(testing::AllFinite(deformer.positions())) << frame.kind;
     EXPECT_EQ(quality.flipped,
               testing::CountFlipped(registered->mesh().triangles, deformer.positions()))

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/cli/sample/grid.h"
-#include "core/files/mesh_file.h"
+#include "core/files/obj.h"
 #include "core/files/track.h"
 #include "tests/cli/csv.h"
 #include "tests/cli/run.h"
@@ -55,16 +55,24 @@ void ExpectRow(const std::vector<double>& actual, const std::vector<double>& exp
 }
 
 TrackHandle At(const char* name, double x, double y) {
-  return {name, x, y, client::PointAnchor{x, y}};
+  TrackHandle at;
+  at.handle.id = name;
+  at.handle.anchor = PointAnchor{{x, y}};
+  at.rest = {x, y};
+  return at;
 }
 
 // Left and right at first; a top joins them, then another handle takes the place of the left.
 Track EditedTrack() {
   Track track;
   track.handles = {At("left", 0.5, 4), At("right", 7.5, 4)};
-  track.frames = {{"", {0.5, 4, 7.5, 4}, {}, {}},     {"", {0.5, 4, 7, 6}, {}, {}},
-                  {"", {0.5, 4, 7, 6, 4, 8}, {}, {}}, {"", {0, 4, 7, 6, 3, 8.5}, {}, {}},
-                  {"", {7, 6, 3, 8.5, 5, 0}, {}, {}}, {"", {8, 5, 3, 9, 5, -1}, {}, {}}};
+  const std::vector<std::vector<Complex>> frames{
+      {{0.5, 4}, {7.5, 4}},       {{0.5, 4}, {7, 6}},         {{0.5, 4}, {7, 6}, {4, 8}},
+      {{0, 4}, {7, 6}, {3, 8.5}}, {{7, 6}, {3, 8.5}, {5, 0}}, {{8, 5}, {3, 9}, {5, -1}}};
+  for (const std::vector<Complex>& places : frames) {
+    TrackFrame& frame = track.frames.emplace_back();
+    for (const Complex place : places) frame.targets.push_back({.position = place});
+  }
   track.edits = {{2, {}, {At("top", 4, 7.25)}}, {4, {"left"}, {At("bottom", 4, 0.25)}}};
   return track;
 }

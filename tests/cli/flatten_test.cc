@@ -8,6 +8,7 @@
 
 #include "client/cli/sample/grid.h"
 #include "core/files/mesh_file.h"
+#include "core/files/obj.h"
 #include "tests/cli/run.h"
 
 namespace arap::cli {
@@ -55,34 +56,32 @@ TEST_F(FlattenCommand, LaysTheSampleGarmentFlat) {
   // The result is a mesh again.
   const auto mesh = ReadSurfaceMesh(Path("flat.obj"));
   ASSERT_TRUE(mesh) << mesh.error().message;
-  EXPECT_EQ(mesh->triangle_count(), report["triangles"].get<std::size_t>());
+  EXPECT_EQ(mesh->triangles.size(), report["triangles"].get<std::size_t>());
 }
 
 constexpr std::size_t kColumns = 25, kRows = 9;
 
 // A grid rolled up along its rows of straight rulings keeps the length of every edge, so its flat
 // shape is the grid again, up to a motion of the plane.
-client::SurfaceMesh RolledSheet() {
+SurfaceMesh RolledSheet() {
   constexpr double kStep = 0.25;  // radians between rulings
   const double radius = 0.5 / std::sin(kStep / 2);
-  const client::PlanarMesh grid = MakeGrid(kColumns, kRows);
-  client::SurfaceMesh rolled;
+  const PlanarMesh grid = MakeGrid(kColumns, kRows);
+  SurfaceMesh rolled;
   rolled.triangles = grid.triangles;
-  for (std::size_t v = 0; v < grid.vertex_count(); ++v) {
-    const double angle = kStep * grid.vertices[2 * v];
-    rolled.vertices.insert(
-        rolled.vertices.end(),
-        {radius * std::cos(angle), grid.vertices[2 * v + 1], -radius * std::sin(angle)});
+  for (const Complex p : grid.vertices) {
+    const double angle = kStep * p.real();
+    rolled.vertices.push_back({radius * std::cos(angle), p.imag(), -radius * std::sin(angle)});
   }
   return rolled;
 }
 
-double Distance(const std::vector<double>& points, std::size_t a, std::size_t b) {
-  return std::hypot(points[2 * a] - points[2 * b], points[2 * a + 1] - points[2 * b + 1]);
+Complex At(const std::vector<double>& flat, std::size_t i) {
+  return {flat[2 * i], flat[2 * i + 1]};
 }
 
 TEST_F(FlattenCommand, UnrollsARolledSheetWithEveryMethod) {
-  const client::PlanarMesh grid = MakeGrid(kColumns, kRows);
+  const PlanarMesh grid = MakeGrid(kColumns, kRows);
   Put("rolled.obj", FormatObj(RolledSheet()));
   // The spectral anchors are exact to the end of their iteration only, so where no refinement
   // follows the others are asked for.
@@ -109,10 +108,12 @@ TEST_F(FlattenCommand, UnrollsARolledSheetWithEveryMethod) {
     EXPECT_LT(Report()["distortion"]["max_stretch_percent"], 1e-6) << name;
     EXPECT_EQ(Report()["distortion"]["flipped"], 0) << name;
     const std::vector<double> uv = FlatPositions();
-    ASSERT_EQ(uv.size(), grid.vertices.size());
-    for (std::size_t v = 0; v < grid.vertex_count(); ++v) {
-      for (const std::size_t to : {std::size_t{0}, kColumns - 1, grid.vertex_count() - 1}) {
-        ASSERT_NEAR(Distance(uv, v, to), Distance(grid.vertices, v, to), 1e-7) << name;
+    ASSERT_EQ(uv.size(), 2 * grid.vertices.size());
+    for (std::size_t v = 0; v < grid.vertices.size(); ++v) {
+      for (const std::size_t to : {std::size_t{0}, kColumns - 1, grid.vertices.size() - 1}) {
+        ASSERT_NEAR(std::abs(At(uv, v) - At(uv, to)),
+                    std::abs(grid.vertices[v] - grid.vertices[to]), 1e-7)
+            << name;
       }
     }
   }

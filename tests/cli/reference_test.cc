@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-#include "core/drawing/svg/view.h"
+#include "core/drawing/outline.h"
 #include "core/files/mesh_file.h"
 #include "core/files/track.h"
 #include "tests/cli/csv.h"
@@ -61,13 +61,13 @@ class Reference : public FolderTest {
       ASSERT_NE(at, std::string::npos);
       at += kMember.size();
       vertices.push_back(static_cast<std::uint32_t>(std::stoul(text.substr(at, 12))));
-      handle.anchor = client::VertexAnchor{vertices.back()};
+      handle.handle.anchor = VertexAnchor{vertices.back()};
     }
     for (std::size_t i = 0; i < expected.rows.size(); ++i) {
-      std::vector<double>& targets = track.frames[expected.frames[i]].targets;
+      std::vector<Target>& targets = track.frames[expected.frames[i]].targets;
       for (std::size_t k = 0; k < vertices.size(); ++k) {
-        targets[2 * k] = expected.rows[i][2 * vertices[k]];
-        targets[2 * k + 1] = expected.rows[i][2 * vertices[k] + 1];
+        const double* const xy = &expected.rows[i][2 * std::size_t{vertices[k]}];
+        targets[k].position = {xy[0], xy[1]};
       }
     }
   }
@@ -110,7 +110,7 @@ TEST_F(Reference, BakedShapesAreThePublishedOnes) {
     const Csv actual = ParseCsv(Slurp(Path("shapes.csv")));
     ASSERT_EQ(actual.rows.size(), track->frames.size());
     for (const auto& row : actual.rows) {
-      ASSERT_EQ(row.size(), mesh->vertices.size());
+      ASSERT_EQ(row.size(), 2 * mesh->vertices.size());
       ASSERT_TRUE(std::all_of(row.begin(), row.end(), [](double x) { return std::isfinite(x); }));
     }
     double worst = 0;
@@ -120,7 +120,7 @@ TEST_F(Reference, BakedShapesAreThePublishedOnes) {
       ASSERT_LT(frame, track->frames.size());
       // No rotation is defined there.
       if (track->frames[frame].kind == "collapse_all_to_one_point") continue;
-      ASSERT_EQ(expected.rows[i].size(), mesh->vertices.size());
+      ASSERT_EQ(expected.rows[i].size(), 2 * mesh->vertices.size());
       const double distance = Distance(actual.rows[frame], expected.rows[i]) / diagonal;
       EXPECT_LT(distance, kTolerance) << "frame " << frame << " " << track->frames[frame].kind;
       worst = std::max(worst, distance);

@@ -2,8 +2,6 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdlib>
-#include <filesystem>
 #include <thread>
 
 #include <fcntl.h>
@@ -69,23 +67,6 @@ std::string Slurp(const std::string& path) {
   if (text) return *text;
   ADD_FAILURE() << text.error().message;
   return {};
-}
-
-FolderTest::FolderTest() {
-  std::string pattern = testing::TempDir() + "arapctl-test-XXXXXX";
-  if (mkdtemp(pattern.data()) == nullptr) ADD_FAILURE() << "cannot make " << pattern;
-  folder_ = pattern;
-}
-
-FolderTest::~FolderTest() {
-  std::error_code ignored;
-  std::filesystem::remove_all(folder_, ignored);
-}
-
-std::string FolderTest::Put(const std::string& name, const std::string& text) const {
-  const Status written = WriteTextFile(Path(name), text);
-  EXPECT_TRUE(written) << written.error().message;
-  return Path(name);
 }
 
 }  // namespace arap::cli

@@ -8,11 +8,12 @@
 
 #include <fmt/format.h>
 
+#include "client/cli/adapt.h"
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/edit_times.h"
 #include "client/cli/commands/stage.h"
 #include "client/cli/report.h"
-#include "core/files/shapes_file.h"
+#include "core/files/shapes.h"
 
 namespace arap::cli {
 namespace {
@@ -37,15 +38,14 @@ struct Totals {
 std::vector<client::TrackFrame> FramesOf(const Track& track, const TrackSegment& segment) {
   std::vector<client::TrackFrame> frames;
   for (std::size_t i = segment.first; i < segment.end; ++i) {
-    const TrackFrame& frame = track.frames[i];
-    frames.push_back({frame.targets, frame.angles, frame.scales});
+    frames.push_back(ToClient(track.frames[i].targets));
   }
   return frames;
 }
 
 Result<EditTimes> Edit(const Stage& stage, const TrackEdit& edit, bool hard) {
-  const auto edited = stage.session().EditHandles(kHandleSet, edit.remove,
-                                                  ToHandles(stage.track(), edit.add, hard));
+  const auto edited = stage.session().EditHandles(
+      kHandleSet, edit.remove, ToClient(ToHandles(stage.track(), edit.add, hard)));
   if (!edited) {
     Fault fault = edited.error();
     fault.message = fmt::format("edit before frame {}: {}", edit.frame, fault.message);
@@ -76,9 +76,9 @@ Status BakeSegment(const Stage& stage, const TrackSegment& segment,
 Status Bake(const StageOptions& options) {
   const Result<Stage> stage = Stage::Open(options);
   if (!stage) return Fail(stage.error());
-  const client::PlanarMesh& mesh = stage->mesh();
+  const PlanarMesh& mesh = stage->mesh();
   const Track& track = stage->track();
-  ShapesFile shapes(options.out, mesh.vertex_count());
+  ShapesFile shapes(options.out, mesh.vertices.size());
   FilmMaker film(options, *stage);
   Totals totals;
   std::vector<EditTimes> edits;
@@ -94,7 +94,7 @@ Status Bake(const StageOptions& options) {
       }
       const Status baked =
           BakeSegment(*stage, segment, deform, [&](std::size_t frame, const client::Shape& shape) {
-            shapes.Write(frame, shape.positions);
+            shapes.Write(frame, ToPoints(shape.positions));
             film.Add(frame, shape);
             totals.Add(shape);
             progress.Step();
@@ -109,7 +109,7 @@ Status Bake(const StageOptions& options) {
       "{} frames, {} vertices, {} triangles, {} handles; {:.0f} µs per frame; {} frames with "
       "flips; "
       "largest stretch {:.3g}",
-      totals.frames, mesh.vertex_count(), mesh.triangle_count(), track.handles.size(), mean_solve,
+      totals.frames, mesh.vertices.size(), mesh.triangles.size(), track.handles.size(), mean_solve,
       totals.frames_with_flips, totals.max_stretch);
   fmt::print("{}\nregistered in {:.1f} ms, compiled in {:.1f} ms, worst handle error {:.3g}\n",
              caption, stage->register_micros() / 1000, stage->compile_micros() / 1000,

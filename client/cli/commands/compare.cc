@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "client/cli/adapt.h"
 #include "client/cli/report.h"
 
 namespace arap::cli {
@@ -43,7 +44,7 @@ constexpr std::array<Contestant, 6> kContestants{{
      std::nullopt, true},
 }};
 
-std::vector<std::string> Lines(const client::Distortion& d) {
+std::vector<std::string> Lines(const Distortion& d) {
   return {fmt::format("area {:.3f} of the surface's, {} flipped, ARAP energy {:.4g}", d.area_ratio,
                       d.flipped, d.arap_energy),
           fmt::format("stretch {:.2f} % on the average, {:.1f} % at worst", d.mean_stretch_percent,
@@ -76,9 +77,9 @@ Result<std::vector<ComparisonPanel>> CompareMethods(const client::FlattenOptions
     options.injective = contestant.injective;
     ComparisonPanel& panel = panels.emplace_back();
     panel.label = contestant.label;
-    Result<client::FlatSurface> flat = flatten(options, contestant.label);
+    const Result<client::FlatSurface> flat = flatten(options, contestant.label);
     if (flat) {
-      panel.flat = *std::move(flat);
+      panel.flat = ToModel(*flat);
       panel.lines = Lines(panel.flat.distortion);
       continue;
     }
@@ -99,7 +100,7 @@ std::string FormatTable(const std::vector<ComparisonPanel>& panels) {
       fmt::format_to(std::back_inserter(out), "{:<28}{}\n", panel.label, panel.lines.front());
       continue;
     }
-    const client::Distortion& d = panel.flat.distortion;
+    const Distortion& d = panel.flat.distortion;
     fmt::format_to(std::back_inserter(out),
                    "{:<28}{:>8}{:>10.4f}{:>12.3f}{:>13.3f}{:>10.3f}{:>10.4g}\n", panel.label,
                    d.flipped, d.area_ratio, d.mean_stretch_percent, d.mean_compression_percent,

@@ -7,7 +7,7 @@
 
 #include "arap/base/result.h"
 #include "arap/client/flatten.h"
-#include "core/drawing/svg/comparison.h"
+#include "core/drawing/comparison.h"
 
 namespace arap::cli {
 

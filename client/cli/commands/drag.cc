@@ -8,13 +8,14 @@
 
 #include <fmt/format.h>
 
+#include "client/cli/adapt.h"
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/drag_loop.h"
 #include "client/cli/commands/drag_report.h"
 #include "client/cli/commands/stage.h"
 #include "client/cli/load/percentiles.h"
 #include "client/cli/report.h"
-#include "core/files/shapes_file.h"
+#include "core/files/shapes.h"
 #include "core/files/text_file.h"
 
 namespace arap::cli {
@@ -53,7 +54,7 @@ Status Drag(const DragOptions& options) {
   }
   std::optional<ShapesFile> shapes;
   if (!options.stage.out.empty()) {
-    shapes.emplace(options.stage.out, stage->mesh().vertex_count());
+    shapes.emplace(options.stage.out, stage->mesh().vertices.size());
   }
   FilmMaker film(options.stage, *stage);
   client::DeformOptions deform = options.stage.deform;
@@ -63,7 +64,7 @@ Status Drag(const DragOptions& options) {
   if (!stream) return Fail(stream.error());
 
   const OnShape on_shape = [&](std::size_t frame, const client::Shape& shape) {
-    if (shapes) shapes->Write(frame, shape.positions);
+    if (shapes) shapes->Write(frame, ToPoints(shape.positions));
     film.Add(frame, shape);
   };
   const bool every = options.delivery == client::Delivery::kEvery;

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "client/cli/adapt.h"
+
 namespace arap::cli {
 namespace {
 
@@ -25,24 +27,24 @@ const TrackEdit* DragScript::EditAt(std::size_t frame) const {
 Status DragScript::SendEdit(client::DeformStream& stream, std::size_t frame) const {
   const TrackEdit* const edit = EditAt(frame);
   if (edit == nullptr) return {};
-  return stream.Edit(EditSequence(frame), edit->remove, ToHandles(track_, edit->add, hard_));
+  return stream.Edit(EditSequence(frame), edit->remove,
+                     ToClient(ToHandles(track_, edit->add, hard_)));
 }
 
 Status DragScript::SendUpdate(client::DeformStream& stream, std::size_t frame) const {
   client::HandleUpdate update;
   update.sequence = UpdateSequence(frame);
   if (frame + 1 == frame_count()) update.pick_points = pick_points_;
-  const TrackFrame& given = track_.frames[frame];
-  if (track_.edits.empty() && given.angles.empty() && given.scales.empty()) {
-    update.positions = given.targets;
+  const std::vector<Target>& targets = track_.frames[frame].targets;
+  client::TrackFrame flat = ToClient(targets);
+  if (track_.edits.empty() && flat.angles_radians.empty() && flat.scales.empty()) {
+    update.positions = std::move(flat.positions);
     return stream.Send(update);
   }
   // By id: whatever order an edit leaves the handles in, each goes where the frame says.
   const std::vector<std::string>& ids = SegmentAt(segments_, frame).ids;
   for (std::size_t k = 0; k < ids.size(); ++k) {
-    update.targets.push_back({ids[k], given.targets[2 * k], given.targets[2 * k + 1],
-                              given.angles.empty() ? 0 : given.angles[k],
-                              given.scales.empty() ? 1 : given.scales[k]});
+    update.targets.push_back(ToClient(ids[k], targets[k]));
   }
   return stream.Send(update);
 }

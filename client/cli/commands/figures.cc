@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "client/cli/adapt.h"
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/compare.h"
 #include "client/cli/commands/flatten_call.h"
@@ -12,8 +13,8 @@
 #include "client/cli/report.h"
 #include "client/cli/sample/character.h"
 #include "client/cli/sample/face.h"
-#include "core/drawing/svg/animation.h"
-#include "core/drawing/svg/comparison.h"
+#include "core/drawing/comparison.h"
+#include "core/drawing/film.h"
 #include "core/files/text_file.h"
 #include "core/files/track.h"
 
@@ -37,10 +38,8 @@ class Puppet {
 
   // A panel of the rest shape.
   void AddRest(std::string label) {
-    std::vector<double> handles;
-    for (const TrackHandle& h : track_.handles) {
-      handles.insert(handles.end(), {h.rest_x, h.rest_y});
-    }
+    std::vector<Complex> handles;
+    for (const TrackHandle& h : track_.handles) handles.push_back(h.rest);
     AddPanel(mesh_.vertices, std::move(handles), std::move(label));
   }
 
@@ -48,16 +47,17 @@ class Puppet {
   // swung up: spread 1 keeps the distances about as they are.
   Status AddPose(client::Basis basis, client::DeformMode mode, double spread, std::string label) {
     const std::string id = fmt::format("figure-{}", poses_++);
-    auto mesh = session_.RegisterMesh(mesh_, {basis, client::EdgeWeights::kUniform, {}}, id);
+    auto mesh =
+        session_.RegisterMesh(ToClient(mesh_), {basis, client::EdgeWeights::kUniform, {}}, id);
     if (!mesh) return Fail(mesh.error());
-    auto set = session_.CompileHandles(id, id, ToHandles(track_, /*hard=*/false));
+    auto set = session_.CompileHandles(id, id, ToClient(ToHandles(track_, /*hard=*/false)));
     if (!set) return Fail(set.error());
     const std::vector<client::HandleTarget> targets = Pose(spread);
     auto shape = session_.Deform(id, targets, {mode, 0, true, false});
     if (!shape) return Fail(shape.error());
-    std::vector<double> handles;
-    for (const client::HandleTarget& t : targets) handles.insert(handles.end(), {t.x, t.y});
-    AddPanel(shape->positions, std::move(handles), std::move(label));
+    std::vector<Complex> handles;
+    for (const client::HandleTarget& t : targets) handles.emplace_back(t.x, t.y);
+    AddPanel(ToPoints(shape->positions), std::move(handles), std::move(label));
     return {};
   }
 
@@ -70,7 +70,7 @@ class Puppet {
   }
 
  private:
-  void AddPanel(std::vector<double> shape, std::vector<double> handles, std::string label) {
+  void AddPanel(std::vector<Complex> shape, std::vector<Complex> handles, std::string label) {
     film_.numbers.push_back(film_.frame_count());
     film_.shapes.push_back(std::move(shape));
     film_.handles.push_back(std::move(handles));
@@ -79,23 +79,19 @@ class Puppet {
 
   // The frame of the wave in which the arm is highest, spread about the middle of the handles.
   std::vector<client::HandleTarget> Pose(double spread) const {
-    const std::vector<double>& wave = track_.frames[track_.frames.size() / 4].targets;
-    double x = 0, y = 0;
-    const auto count = static_cast<double>(track_.handles.size());
-    for (std::size_t i = 0; i < track_.handles.size(); ++i) {
-      x += wave[2 * i] / count;
-      y += wave[2 * i + 1] / count;
-    }
+    const std::vector<Target>& wave = track_.frames[track_.frames.size() / 4].targets;
+    Complex middle;
+    for (const Target& target : wave) middle += target.position / static_cast<double>(wave.size());
     std::vector<client::HandleTarget> targets;
-    for (std::size_t i = 0; i < track_.handles.size(); ++i) {
-      targets.push_back({track_.handles[i].name, x + spread * (wave[2 * i] - x),
-                         y + spread * (wave[2 * i + 1] - y), 0, 1});
+    for (std::size_t i = 0; i < wave.size(); ++i) {
+      const Complex at = middle + spread * (wave[i].position - middle);
+      targets.push_back(ToClient(track_.handles[i].handle.id, {.position = at}));
     }
     return targets;
   }
 
   client::Session session_;
-  client::PlanarMesh mesh_;
+  PlanarMesh mesh_;
   Track track_;
   int poses_ = 0;
   Film film_;
@@ -127,10 +123,11 @@ Status DrawDeformations(const client::Client& client, const std::string& folder)
 }
 
 Status DrawFlattenings(const client::Client& client, const std::string& folder) {
-  const client::SurfaceMesh face = MakeFace(kFaceEdge);
+  const SurfaceMesh face = MakeFace(kFaceEdge);
+  const client::SurfaceMesh sent = ToClient(face);
   const auto panels =
       CompareMethods({}, [&](const client::FlattenOptions& options, const std::string& what) {
-        return FlattenWaiting(client, face, options, std::nullopt, what);
+        return FlattenWaiting(client, sent, options, std::nullopt, what);
       });
   if (!panels) return Fail(panels.error());
   return WriteTextFile(

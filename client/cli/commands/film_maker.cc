@@ -1,6 +1,6 @@
-#include <algorithm>
 #include <limits>
 
+#include "client/cli/adapt.h"
 #include "client/cli/commands/stage.h"
 #include "core/files/text_file.h"
 
@@ -16,19 +16,19 @@ FilmMaker::FilmMaker(const StageOptions& options, const Stage& stage)
 
 void FilmMaker::Add(std::size_t frame, const client::Shape& shape) {
   if (svg_.empty() && frames_svg_.empty()) return;
-  film_.shapes.push_back(shape.positions);
+  film_.shapes.push_back(ToPoints(shape.positions));
   film_.handles.push_back(HandlesAt(frame));
   film_.numbers.push_back(frame);
 }
 
-std::vector<double> FilmMaker::HandlesAt(std::size_t frame) const {
+std::vector<Complex> FilmMaker::HandlesAt(std::size_t frame) const {
   std::size_t count = track_.handles.size();
   for (const TrackEdit& edit : track_.edits) count += edit.add.size();
-  std::vector<double> handles(2 * count, std::numeric_limits<double>::quiet_NaN());
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Complex> handles(count, {kNone, kNone});
   const std::vector<std::size_t>& numbers = SegmentAt(segments_, frame).numbers;
   for (std::size_t k = 0; k < numbers.size(); ++k) {
-    std::copy_n(track_.frames[frame].targets.begin() + static_cast<std::ptrdiff_t>(2 * k), 2,
-                handles.begin() + static_cast<std::ptrdiff_t>(2 * numbers[k]));
+    handles[numbers[k]] = track_.frames[frame].targets[k].position;
   }
   return handles;
 }

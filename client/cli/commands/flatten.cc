@@ -3,17 +3,19 @@
 
 #include <fmt/format.h>
 
+#include "client/cli/adapt.h"
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/compare.h"
 #include "client/cli/commands/flatten_call.h"
 #include "client/cli/commands/flatten_flags.h"
 #include "client/cli/commands/flatten_report.h"
 #include "client/cli/report.h"
+#include "core/drawing/comparison.h"
 #include "core/drawing/dxf.h"
 #include "core/drawing/pattern.h"
-#include "core/drawing/svg/comparison.h"
-#include "core/drawing/svg/pattern_sheet.h"
+#include "core/drawing/pattern_sheet.h"
 #include "core/files/mesh_file.h"
+#include "core/files/obj.h"
 #include "core/files/text_file.h"
 
 namespace arap::cli {
@@ -26,15 +28,19 @@ Status WriteWanted(const std::string& path, const std::string& text) {
 
 Status WriteLayout(const FlattenFlags& flags, const client::FlattenOptions& options,
                    const client::SurfaceMesh& mesh, const client::FlatSurface& flat) {
+  const SurfaceMesh surface = ToModel(mesh);
+  const Flattening layout = ToModel(flat);
   const std::vector<std::string> summary = Summary(mesh, flat);
   for (const std::string& line : summary) fmt::print("{}\n", line);
   if (!flags.out.empty()) {
-    if (auto ok = WriteTextFile(flags.out, FormatObj(mesh, flat.uv, flat.corner_uv)); !ok)
+    if (auto ok = WriteTextFile(flags.out, FormatObj(surface, layout.uv, layout.corner_uv)); !ok)
       return ok;
   }
   if (!flags.svg.empty() || !flags.dxf.empty()) {
+    std::vector<GrainLine> grain;
+    for (const client::GrainLine& line : options.grain_lines) grain.push_back(ToModel(line));
     const Pattern pattern =
-        MakePattern(flat, {flags.millimetres_per_unit, flags.allowance, options.grain_lines});
+        MakePattern(layout, {flags.millimetres_per_unit, flags.allowance, grain});
     const PatternSheet sheet{!flags.plain, flags.interior, summary};
     if (auto ok = WriteWanted(flags.svg, FormatPattern(pattern, sheet)); !ok) return ok;
     if (auto ok = WriteWanted(flags.dxf, FormatDxf(pattern)); !ok) return ok;
@@ -53,11 +59,12 @@ Status Compare(const FlattenFlags& flags, const client::FlattenOptions& options,
   const std::string caption =
       fmt::format("{} vertices, {} triangles; the squares have one size on every layout",
                   mesh.vertex_count(), mesh.triangle_count());
-  return WriteTextFile(flags.compare, FormatComparison(mesh, *panels, caption));
+  return WriteTextFile(flags.compare, FormatComparison(ToModel(mesh), *panels, caption));
 }
 
 Status Flatten(const FlattenFlags& flags) {
-  const Result<client::SurfaceMesh> mesh = ReadSurfaceMesh(flags.surface);
+  const Result<client::SurfaceMesh> mesh =
+      ReadSurfaceMesh(flags.surface).map([](const auto& read) { return ToClient(read); });
   if (!mesh) return Fail(mesh.error());
   const Result<client::FlattenOptions> options =
       ReadOptions(flags, mesh->vertex_count(), mesh->triangle_count());

@@ -12,7 +12,7 @@
 #include "client/cli/sample/face.h"
 #include "client/cli/sample/garment.h"
 #include "client/cli/sample/grid.h"
-#include "core/files/mesh_file.h"
+#include "core/files/obj.h"
 #include "core/files/text_file.h"
 
 namespace arap::cli {
@@ -34,12 +34,12 @@ Status Write(const SampleOptions& options, const std::string& obj, std::optional
 }
 
 Status WriteCharacter(const SampleOptions& options) {
-  const client::PlanarMesh mesh = MakeCharacter(options.edge);
+  const PlanarMesh mesh = MakeCharacter(options.edge);
   return Write(options, FormatObj(mesh), MakeCharacterTrack(mesh));
 }
 
 Status WriteGrid(const SampleOptions& options) {
-  const client::PlanarMesh mesh = MakeGrid(options.size, options.size);
+  const PlanarMesh mesh = MakeGrid(options.size, options.size);
   return Write(options, FormatObj(mesh), MakeGridTrack(mesh, options.size, options.size));
 }
 

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "client/cli/adapt.h"
 #include "client/cli/commands/option_names.h"
 #include "client/cli/report.h"
 #include "core/files/mesh_file.h"
@@ -37,7 +38,7 @@ void Stage::Release::operator()(const client::Session* session) const {
   delete session;
 }
 
-Stage::Stage(Connection connection, client::Session session, client::PlanarMesh mesh, Track track)
+Stage::Stage(Connection connection, client::Session session, PlanarMesh mesh, Track track)
     : connection_(std::move(connection)),
       session_(new client::Session(std::move(session))),
       mesh_(std::move(mesh)),
@@ -46,7 +47,7 @@ Stage::Stage(Connection connection, client::Session session, client::PlanarMesh 
 Stage::~Stage() = default;
 
 Result<Stage> Stage::Open(const StageOptions& options) {
-  Result<client::PlanarMesh> mesh = ReadPlanarMesh(options.mesh);
+  Result<PlanarMesh> mesh = ReadPlanarMesh(options.mesh);
   if (!mesh) return Fail(mesh.error());
   Result<Track> track = ReadTrack(options.track);
   if (!track) return Fail(track.error());
@@ -62,11 +63,11 @@ Result<Stage> Stage::Open(const StageOptions& options) {
     energy.weights = client::EdgeWeights::kUniform;
   }
   energy.rigidity = stage.track_.rigidity;
-  const auto registered = stage.session().RegisterMesh(stage.mesh_, energy);
+  const auto registered = stage.session().RegisterMesh(ToClient(stage.mesh_), energy);
   if (!registered) return Fail(registered.error());
   PrintWarnings(registered->mesh.warnings);
-  const auto compiled = stage.session().CompileHandles(kHandleSet, registered->mesh.id,
-                                                       ToHandles(stage.track_, options.hard));
+  const auto compiled = stage.session().CompileHandles(
+      kHandleSet, registered->mesh.id, ToClient(ToHandles(stage.track_, options.hard)));
   if (!compiled) return Fail(compiled.error());
   PrintWarnings(compiled->handle_set.warnings);
   stage.register_micros_ = registered->solve_micros;

@@ -9,7 +9,7 @@
 
 #include "arap/client/client.h"
 #include "client/cli/connect/connection.h"
-#include "core/drawing/svg/animation.h"
+#include "core/drawing/film.h"
 #include "core/files/track.h"
 
 namespace arap::cli {
@@ -44,13 +44,13 @@ class Stage {
   ~Stage();
 
   const client::Session& session() const { return *session_; }
-  const client::PlanarMesh& mesh() const { return mesh_; }
+  const PlanarMesh& mesh() const { return mesh_; }
   const Track& track() const { return track_; }
   double register_micros() const { return register_micros_; }
   double compile_micros() const { return compile_micros_; }
 
  private:
-  Stage(Connection connection, client::Session session, client::PlanarMesh mesh, Track track);
+  Stage(Connection connection, client::Session session, PlanarMesh mesh, Track track);
 
   // Deletes the session on the server too.
   struct Release {
@@ -59,7 +59,7 @@ class Stage {
 
   Connection connection_;
   std::unique_ptr<const client::Session, Release> session_;
-  client::PlanarMesh mesh_;
+  PlanarMesh mesh_;
   Track track_;
   double register_micros_ = 0;
   double compile_micros_ = 0;
@@ -76,7 +76,7 @@ class FilmMaker {
 
  private:
   // Every handle that the track ever has; NaN where it is not there.
-  std::vector<double> HandlesAt(std::size_t frame) const;
+  std::vector<Complex> HandlesAt(std::size_t frame) const;
 
   std::string svg_;
   std::string frames_svg_;

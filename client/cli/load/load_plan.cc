@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "client/cli/adapt.h"
 #include "client/cli/load/load_stream.h"
 #include "client/cli/sample/grid.h"
 
@@ -16,7 +17,7 @@ LoadPlan MakeLoadPlan(std::size_t vertices, std::size_t handles,
   const auto side = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(vertices))));
   const std::size_t columns = std::max<std::size_t>(side, 2);
   const std::size_t rows = std::max<std::size_t>(vertices / columns, 2);
-  plan.mesh = MakeGrid(columns, rows);
+  plan.mesh = ToClient(MakeGrid(columns, rows));
   const double width = static_cast<double>(columns - 1);
   const double height = static_cast<double>(rows - 1);
   plan.reach = 0.1 * std::min(width, height);

@@ -30,6 +30,6 @@ double Bear(Point p) {
 
 }  // namespace
 
-client::PlanarMesh MakeCharacter(double edge) { return MeshField(Bear, {0, 190}, edge); }
+PlanarMesh MakeCharacter(double edge) { return MeshField(Bear, {0, 190}, edge); }
 
 }  // namespace arap::cli

@@ -1,7 +1,7 @@
 // The sample character: a teddy bear, 200 units tall, that waves.
 #pragma once
 
-#include "arap/client/mesh.h"
+#include "arap/model/mesh.h"
 #include "core/files/track.h"
 
 namespace arap::cli {
@@ -9,9 +9,9 @@ namespace arap::cli {
 inline constexpr double kCharacterEdge = 4;
 
 // `edge` is the length of its edges, 1 to 8.
-client::PlanarMesh MakeCharacter(double edge);
+PlanarMesh MakeCharacter(double edge);
 
 // 120 frames that loop: handles at the hands, the feet and the head. `mesh` is a character.
-Track MakeCharacterTrack(const client::PlanarMesh& mesh);
+Track MakeCharacterTrack(const PlanarMesh& mesh);
 
 }  // namespace arap::cli

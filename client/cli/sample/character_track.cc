@@ -69,15 +69,15 @@ constexpr std::array<Joint, 5> kJoints{{{"left_hand", {-72, 82}, &LeftHand},
 
 }  // namespace
 
-Track MakeCharacterTrack(const client::PlanarMesh& mesh) {
+Track MakeCharacterTrack(const PlanarMesh& mesh) {
   Track track;
   for (const Joint& joint : kJoints) AddHandle(mesh, joint.name, joint.rest, track);
   for (int i = 0; i < kFrames; ++i) {
     TrackFrame& frame = track.frames.emplace_back();
     frame.kind = i == 0 ? "rest" : "wave";
     for (const Joint& joint : kJoints) {
-      const Point p = Rounded(joint.at(joint.rest, static_cast<double>(i) / kFrames));
-      frame.targets.insert(frame.targets.end(), {p.real(), p.imag()});
+      frame.targets.push_back(
+          {.position = Rounded(joint.at(joint.rest, static_cast<double>(i) / kFrames))});
     }
   }
   return track;

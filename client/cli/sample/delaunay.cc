@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include <boost/polygon/voronoi.hpp>
@@ -9,7 +10,6 @@
 namespace arap::cli {
 namespace {
 
-using Triangle = std::array<std::uint32_t, 3>;
 using IntegerPoint = boost::polygon::point_data<int>;
 
 // The Voronoi builder is exact on 32-bit integers: the coordinates are spread over 2^30 steps.

@@ -35,13 +35,12 @@ double Relief(Point p) {
 
 }  // namespace
 
-client::SurfaceMesh MakeFace(double edge) {
-  const client::PlanarMesh disk =
+SurfaceMesh MakeFace(double edge) {
+  const PlanarMesh disk =
       MeshField([](Point p) { return Disk(p, 0, kRadius); }, {kRadius, 0}, edge);
-  client::SurfaceMesh mesh;
+  SurfaceMesh mesh;
   mesh.triangles = disk.triangles;
-  for (std::size_t v = 0; v < disk.vertex_count(); ++v) {
-    const Point p(disk.vertices[2 * v], disk.vertices[2 * v + 1]);
+  for (const Point p : disk.vertices) {
     const double angle = std::abs(p) / kRadius * kOpening;
     const Point toward = std::abs(p) > 0 ? p / std::abs(p) : 0;
     const Point front(kWidth * std::sin(angle) * toward.real(),
@@ -49,7 +48,7 @@ client::SurfaceMesh MakeFace(double edge) {
     // The back of the rim has no features.
     const double z = kDepth * std::cos(angle) + std::max(0.0, std::cos(angle)) * Relief(front);
     const Point xy = Rounded(front);
-    mesh.vertices.insert(mesh.vertices.end(), {xy.real(), xy.imag(), Rounded({z, 0}).real()});
+    mesh.vertices.push_back({xy.real(), xy.imag(), Rounded({z, 0}).real()});
   }
   return mesh;
 }

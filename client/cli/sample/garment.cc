@@ -1,7 +1,6 @@
 #include "client/cli/sample/garment.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -22,7 +21,7 @@ constexpr double kWaistDip = 2.0;                       // the waistline drops t
 constexpr double kDepthOverWidth = 0.8;                 // a body is wider than deep
 
 // u from -1 (left seam) to 1 (right seam), v from 0 (hem) to 1 (waist).
-std::array<double, 3> Surface(double u, double v) {
+Point3 Surface(double u, double v) {
   const double down = 1 - v;
   const double hip = kHipBulge * std::exp(-std::pow((down - 0.28) / 0.2, 2));
   const double folds = kFoldDepth * down * down * std::cos(kFolds * std::numbers::pi * u);
@@ -34,22 +33,21 @@ std::array<double, 3> Surface(double u, double v) {
 
 }  // namespace
 
-client::SurfaceMesh MakeGarment(double edge) {
+SurfaceMesh MakeGarment(double edge) {
   constexpr double kMeanRadius = kWaistRadius + kFlare / 2 + 1;
   const auto columns = static_cast<std::size_t>(std::lround(2 * kHalfAngle * kMeanRadius / edge));
   const auto rows =
       static_cast<std::size_t>(std::lround(kLength / (edge * std::numbers::sqrt3 / 2)));
-  client::SurfaceMesh mesh;
+  SurfaceMesh mesh;
   for (std::size_t y = 0; y <= rows; ++y) {
     for (std::size_t x = 0; x <= columns; ++x) {
       // Every other row is shifted by half an edge, but not at the seams.
       const double shift = y % 2 == 1 && x > 0 && x < columns ? 0.25 : -0.25;
       const double inner = x > 0 && x < columns ? shift : 0;
       const double u = 2 * (static_cast<double>(x) + inner) / static_cast<double>(columns) - 1;
-      for (const double coordinate :
-           Surface(u, static_cast<double>(y) / static_cast<double>(rows))) {
-        mesh.vertices.push_back(Rounded({coordinate, 0}).real());
-      }
+      Point3& p = mesh.vertices.emplace_back(
+          Surface(u, static_cast<double>(y) / static_cast<double>(rows)));
+      for (double& coordinate : p) coordinate = Rounded({coordinate, 0}).real();
     }
   }
   for (std::size_t y = 0; y < rows; ++y) {
@@ -60,9 +58,9 @@ client::SurfaceMesh MakeGarment(double edge) {
       const std::uint32_t c = d + 1;
       // The diagonal that the shift has made the shorter one.
       if (y % 2 == 0) {
-        mesh.triangles.insert(mesh.triangles.end(), {a, b, d, b, c, d});
+        mesh.triangles.insert(mesh.triangles.end(), {{a, b, d}, {b, c, d}});
       } else {
-        mesh.triangles.insert(mesh.triangles.end(), {a, b, c, a, c, d});
+        mesh.triangles.insert(mesh.triangles.end(), {{a, b, c}, {a, c, d}});
       }
     }
   }

@@ -1,7 +1,7 @@
 // The sample garment: the front panel of a skirt as it hangs, in centimetres.
 #pragma once
 
-#include "arap/client/mesh.h"
+#include "arap/model/mesh.h"
 
 namespace arap::cli {
 
@@ -9,6 +9,6 @@ inline constexpr double kGarmentEdge = 2.5;
 
 // One disk. Nearly developable: round the hip, with folds that deepen towards the hem. `edge` is
 // the length of its edges, 0.5 to 8.
-client::SurfaceMesh MakeGarment(double edge);
+SurfaceMesh MakeGarment(double edge);
 
 }  // namespace arap::cli

@@ -9,11 +9,11 @@
 
 namespace arap::cli {
 
-client::PlanarMesh MakeGrid(std::size_t columns, std::size_t rows) {
-  client::PlanarMesh mesh;
+PlanarMesh MakeGrid(std::size_t columns, std::size_t rows) {
+  PlanarMesh mesh;
   for (std::size_t y = 0; y < rows; ++y) {
     for (std::size_t x = 0; x < columns; ++x) {
-      mesh.vertices.insert(mesh.vertices.end(), {static_cast<double>(x), static_cast<double>(y)});
+      mesh.vertices.emplace_back(static_cast<double>(x), static_cast<double>(y));
     }
   }
   for (std::size_t y = 0; y + 1 < rows; ++y) {
@@ -23,16 +23,16 @@ client::PlanarMesh MakeGrid(std::size_t columns, std::size_t rows) {
       const auto d = static_cast<std::uint32_t>(a + columns);
       const std::uint32_t c = d + 1;
       if ((x + y) % 2 == 0) {
-        mesh.triangles.insert(mesh.triangles.end(), {a, b, c, a, c, d});
+        mesh.triangles.insert(mesh.triangles.end(), {{a, b, c}, {a, c, d}});
       } else {
-        mesh.triangles.insert(mesh.triangles.end(), {a, b, d, b, c, d});
+        mesh.triangles.insert(mesh.triangles.end(), {{a, b, d}, {b, c, d}});
       }
     }
   }
   return mesh;
 }
 
-Track MakeGridTrack(const client::PlanarMesh& mesh, std::size_t columns, std::size_t rows) {
+Track MakeGridTrack(const PlanarMesh& mesh, std::size_t columns, std::size_t rows) {
   constexpr int kFrames = 60;
   constexpr double kLargestAngle = std::numbers::pi / 2;
   const double width = static_cast<double>(columns - 1);
@@ -52,8 +52,8 @@ Track MakeGridTrack(const client::PlanarMesh& mesh, std::size_t columns, std::si
     frame.kind = i == 0 ? "rest" : "turn";
     for (const Point corner : corners) {
       const bool right = corner.real() > middle.real();
-      const Point p = right && i > 0 ? Rounded(middle + turn * (corner - middle)) : corner;
-      frame.targets.insert(frame.targets.end(), {p.real(), p.imag()});
+      frame.targets.push_back(
+          {.position = right && i > 0 ? Rounded(middle + turn * (corner - middle)) : corner});
     }
   }
   return track;

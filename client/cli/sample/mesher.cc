@@ -1,9 +1,8 @@
 #include "client/cli/sample/mesher.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "client/cli/sample/delaunay.h"
@@ -11,8 +10,6 @@
 
 namespace arap::cli {
 namespace {
-
-using Triangle = std::array<std::uint32_t, 3>;
 
 // Lattice points nearer to the outline than this share of an edge would make thin triangles.
 constexpr double kClearance = 0.7;
@@ -69,7 +66,7 @@ void Smooth(const std::vector<Triangle>& triangles, std::size_t outline_count,
 
 }  // namespace
 
-client::PlanarMesh MeshField(const Field& field, Point start, double edge) {
+PlanarMesh MeshField(const Field& field, Point start, double edge) {
   std::vector<Point> points = SampleOutline(field, start, edge);
   const std::size_t outline_count = points.size();
   AddLattice(field, edge, points);
@@ -78,12 +75,8 @@ client::PlanarMesh MeshField(const Field& field, Point start, double edge) {
   }
   for (Point& p : points) p = Rounded(p);
 
-  client::PlanarMesh mesh;
-  for (const Point p : points) mesh.vertices.insert(mesh.vertices.end(), {p.real(), p.imag()});
-  for (const Triangle& t : InnerTriangles(field, edge, points)) {
-    mesh.triangles.insert(mesh.triangles.end(), t.begin(), t.end());
-  }
-  return mesh;
+  std::vector<Triangle> triangles = InnerTriangles(field, edge, points);
+  return {std::move(points), std::move(triangles)};
 }
 
 }  // namespace arap::cli

@@ -1,13 +1,13 @@
 // Triangulates the inside of a field.
 #pragma once
 
-#include "arap/client/mesh.h"
+#include "arap/model/mesh.h"
 #include "client/cli/sample/field.h"
 
 namespace arap::cli {
 
 // Well-shaped counter-clockwise triangles with edges about `edge` long, without loose vertices; the
 // vertices of the outline come first. `start` is a point near the outline.
-client::PlanarMesh MeshField(const Field& field, Point start, double edge);
+PlanarMesh MeshField(const Field& field, Point start, double edge);
 
 }  // namespace arap::cli

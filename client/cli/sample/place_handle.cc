@@ -6,15 +6,12 @@
 
 namespace arap::cli {
 
-void AddHandle(const client::PlanarMesh& mesh, const std::string& name, Point rest, Track& track) {
+void AddHandle(const PlanarMesh& mesh, const std::string& name, Point rest, Track& track) {
   // The triangle in which the point lies deepest; the smallest weight says how deep.
-  client::TriangleAnchor best;
+  TriangleAnchor best;
   double depth = -std::numeric_limits<double>::infinity();
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-    const auto corner = [&](std::size_t k) {
-      const std::size_t v = mesh.triangles[3 * t + k];
-      return Point(mesh.vertices[2 * v], mesh.vertices[2 * v + 1]);
-    };
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto corner = [&](std::size_t k) { return mesh.vertices[mesh.triangles[t][k]]; };
     const Point a = corner(0), b = corner(1), c = corner(2);
     const double area = Cross(b - a, c - a);
     const std::array<double, 3> weights{Cross(b - rest, c - rest) / area,
@@ -26,7 +23,10 @@ void AddHandle(const client::PlanarMesh& mesh, const std::string& name, Point re
       best = {static_cast<std::uint32_t>(t), weights};
     }
   }
-  track.handles.push_back({name, rest.real(), rest.imag(), best});
+  TrackHandle& added = track.handles.emplace_back();
+  added.handle.id = name;
+  added.handle.anchor = best;
+  added.rest = rest;
 }
 
 }  // namespace arap::cli

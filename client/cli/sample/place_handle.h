@@ -3,13 +3,13 @@
 
 #include <string>
 
-#include "arap/client/mesh.h"
+#include "arap/model/mesh.h"
 #include "client/cli/sample/point.h"
 #include "core/files/track.h"
 
 namespace arap::cli {
 
 // Adds a handle that holds `mesh` at `rest`, a point inside it.
-void AddHandle(const client::PlanarMesh& mesh, const std::string& name, Point rest, Track& track);
+void AddHandle(const PlanarMesh& mesh, const std::string& name, Point rest, Track& track);
 
 }  // namespace arap::cli

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "arap/client/client.h"
+#include "client/cli/adapt.h"
 #include "client/cli/sample/grid.h"
 #include "tests/system/fault/server_process.h"
 
@@ -28,7 +29,7 @@ class ResumeTest : public ::testing::TestWithParam<Delivery> {
     ASSERT_TRUE(server_->Start());
     session_ = client::Client::Connect(server_->address()).CreateSession();
     ASSERT_TRUE(session_) << session_.error().message;
-    ASSERT_TRUE(session_->RegisterMesh(cli::MakeGrid(9, 9), {}, "m"));
+    ASSERT_TRUE(session_->RegisterMesh(cli::ToClient(cli::MakeGrid(9, 9)), {}, "m"));
     const std::vector<client::Handle> handles{{"l", client::VertexAnchor{0}},
                                               {"r", client::VertexAnchor{8}}};
     ASSERT_TRUE(session_->CompileHandles("h", "m", handles));

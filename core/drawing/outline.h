@@ -1,0 +1,32 @@
+// Curves of the plane: the box round them, and closed ones moved outwards (the seam allowance).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "arap/model/mesh.h"
+
+namespace arap {
+
+// The smallest box round everything that it was shown.
+struct Bounds {
+  double min_x = 0, min_y = 0, max_x = 0, max_y = 0;
+  bool empty = true;
+
+  // A point that is not finite is passed over.
+  void Add(Complex point);
+  void Add(std::span<const Complex> points);
+  double width() const { return max_x - min_x; }
+  double height() const { return max_y - min_y; }
+};
+
+// A closed curve; the first point is not repeated.
+using Ring = std::vector<Complex>;
+
+// The border of everything within `width` of the piece that `rings` bound: each ring has the piece
+// on its left, so that holes shrink. Corners are mitred, sharp ones cut off at twice the width; no
+// curve of the answer crosses itself or another, and a hole that is narrower vanishes. Exact to
+// 1/1000 of a unit (to 2^-29 of the size of large pieces). Needs width > 0 and finite coordinates.
+std::vector<Ring> OffsetOutwards(const std::vector<Ring>& rings, double width);
+
+}  // namespace arap

@@ -1,0 +1,83 @@
+#include "core/drawing/svg.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+
+#include <fmt/format.h>
+
+namespace arap {
+
+View::View(const Bounds& bounds, double left, double top, double width, double height) {
+  const double along_x = bounds.width() > 0 ? width / bounds.width() : INFINITY;
+  const double along_y = bounds.height() > 0 ? height / bounds.height() : INFINITY;
+  scale_ = std::min(along_x, along_y);
+  if (!std::isfinite(scale_)) scale_ = 1;  // a single point
+  offset_x_ = left + (width - scale_ * bounds.width()) / 2 - scale_ * bounds.min_x;
+  offset_y_ = top + (height - scale_ * bounds.height()) / 2 + scale_ * bounds.max_y;
+}
+
+long View::X(double x) const { return std::lround(offset_x_ + scale_ * x); }
+long View::Y(double y) const { return std::lround(offset_y_ - scale_ * y); }
+
+std::string PathData(const Lines& lines, bool closed, std::span<const Complex> positions,
+                     const View& view) {
+  std::string out;
+  for (const auto& line : lines) {
+    long x = 0, y = 0;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const Complex p = positions[line[i]];
+      // Differences of rounded places: nothing adds up along the line.
+      const long next_x = view.X(p.real());
+      const long next_y = view.Y(p.imag());
+      const long dx = next_x - x;
+      const long dy = next_y - y;
+      const char* const lead = i == 0 ? "M" : i == 1 ? "l" : dx < 0 ? "" : " ";
+      fmt::format_to(std::back_inserter(out), "{}{}{}{}", lead, dx, dy < 0 ? "" : " ", dy);
+      x = next_x;
+      y = next_y;
+    }
+    if (closed) out += 'z';
+  }
+  return out;
+}
+
+std::string SvgEscaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string SvgDocument(double width, double height, std::string_view body) {
+  return fmt::format(
+      R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0:.0f} {1:.0f}" width="{0:.0f}" height="{1:.0f}">)"
+      "\n<rect width=\"100%\" height=\"100%\" fill=\"#fbf9f5\"/>\n{2}</svg>\n",
+      width, height, body);
+}
+
+std::string SvgText(double x, double y, double size, std::string_view text) {
+  return fmt::format(
+      R"(<text x="{:.0f}" y="{:.0f}" font-family="sans-serif" font-size="{:.0f}" fill="#4a4038">{}</text>)"
+      "\n",
+      x, y, size, SvgEscaped(text));
+}
+
+}  // namespace arap

@@ -1,0 +1,51 @@
+// What every SVG here is made of: the place of the plane in the picture, paths, text, the frame.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "arap/model/mesh.h"
+#include "core/drawing/mesh_lines.h"
+#include "core/drawing/outline.h"
+
+namespace arap {
+
+// Maps the plane (y up) to whole picture units (y down).
+class View {
+ public:
+  // Fits `bounds` into the middle of the box at `left`, `top`, keeping its proportions.
+  View(const Bounds& bounds, double left, double top, double width, double height);
+
+  long X(double x) const;
+  long Y(double y) const;
+
+ private:
+  double scale_;
+  double offset_x_;
+  double offset_y_;
+};
+
+// The value of the attribute `d` of a path along the lines. Coordinates are whole picture units,
+// relative to the point before.
+std::string PathData(const Lines& lines, bool closed, std::span<const Complex> positions,
+                     const View& view);
+
+// The whole file: a view box from the origin, a light ground, then `body`.
+std::string SvgDocument(double width, double height, std::string_view body);
+
+// `text` with &, <, > and " written as XML wants them.
+std::string SvgEscaped(std::string_view text);
+
+// One line of text; `x`, `y` is the left end of its base line. Escapes `text`.
+std::string SvgText(double x, double y, double size, std::string_view text);
+
+// Attributes of what moves: the mesh, its inner edges, its handles.
+inline constexpr std::string_view kBodyStyle =
+    R"(fill="#f2b56b" stroke="#7a4a1d" stroke-width="4" stroke-linejoin="round")";
+inline constexpr std::string_view kMeshStyle =
+    R"(fill="none" stroke="#9a6530" stroke-opacity="0.45" stroke-width="1" stroke-linejoin="round")";
+inline constexpr std::string_view kHandleStyle =
+    R"(fill="#2d6cdf" stroke="#ffffff" stroke-width="3")";
+
+}  // namespace arap

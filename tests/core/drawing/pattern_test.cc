@@ -1,0 +1,285 @@
+// Patterns at true size: what is drawn, and that SVG and DXF files say it in millimetres.
+#include "core/drawing/pattern.h"
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <sstream>
+
+#include <gmock/gmock.h>
+
+#include "core/drawing/dxf.h"
+#include "core/drawing/outline.h"
+#include "core/drawing/pattern_sheet.h"
+
+namespace arap {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+// Two pieces: the square 0 1 2 3 of side 4 cut along its diagonal 0 2, which vertices 4 and 5
+// double, the second triangle moved away.
+Flattening CutSquare(double away = 10) {
+  Flattening flat;
+  flat.uv = {{0, 0}, {4, 0}, {4, 4}, {away, 4}, {away, 0}, {away + 4, 4}};
+  flat.source = {0, 1, 2, 3, 0, 2};
+  flat.corner_uv = {{0, 1, 2}, {4, 5, 3}};
+  flat.triangle_chart = {0, 1};
+  flat.singular_values = {{1, 1}, {1.04, 0.99}};
+  flat.cuts = {{2, 0}};
+  flat.charts.resize(2);
+  flat.charts[0].loops = {{0, 1, 2}};
+  flat.charts[1].loops = {{4, 5, 3}};
+  return flat;
+}
+
+using Polyline = std::vector<Complex>;
+
+double Length(const Polyline& line, bool closed) {
+  double length = 0;
+  for (std::size_t i = 0; i + (closed ? 0 : 1) < line.size(); ++i) {
+    length += std::abs(line[i] - line[(i + 1) % line.size()]);
+  }
+  return length;
+}
+
+double Area(const Polyline& line) {
+  double twice = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    twice += (std::conj(line[i]) * line[(i + 1) % line.size()]).imag();
+  }
+  return twice / 2;
+}
+
+struct DxfEntity {
+  std::string type, layer;
+  bool closed = false;
+  Polyline points;
+};
+
+// Reads what FormatDxf writes, as a stranger would: pairs of lines.
+std::vector<DxfEntity> ReadDxf(const std::string& text, std::vector<std::string>& layers) {
+  std::istringstream lines(text);
+  std::vector<std::pair<int, std::string>> pairs;
+  for (std::string code, value; std::getline(lines, code) && std::getline(lines, value);) {
+    pairs.emplace_back(std::stoi(code), value);
+  }
+  EXPECT_EQ(pairs.back(), std::pair(0, std::string("EOF")));
+  std::vector<DxfEntity> entities;
+  std::string section, type;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto& [code, value] = pairs[i];
+    if (code == 0) type = value;
+    if (code == 2 && type == "SECTION") section = value;
+    if (code == 2 && type == "LAYER" && section == "TABLES" && value != "LAYER") {
+      layers.push_back(value);
+    }
+    if (section != "ENTITIES") continue;
+    if (code == 0 && (value == "POLYLINE" || value == "LINE"))
+      entities.push_back({value, {}, {}, {}});
+    if (code == 0 && value == "VERTEX") entities.back().points.emplace_back();
+    if (entities.empty()) continue;
+    DxfEntity& entity = entities.back();
+    if (code == 8) entity.layer = value;
+    if (code == 70) entity.closed = value == "1";
+    if (type == "LINE" && (code == 10 || code == 11)) entity.points.emplace_back();
+    if (type == "POLYLINE" || entity.points.empty()) continue;
+    if (code == 10 || code == 11) entity.points.back().real(std::stod(value));
+    if (code == 20 || code == 21) entity.points.back().imag(std::stod(value));
+  }
+  return entities;
+}
+
+// The paths of a group, each M x y L x y … and perhaps Z.
+std::vector<std::pair<Polyline, bool>> Paths(const std::string& svg, const std::string& id) {
+  std::vector<std::pair<Polyline, bool>> paths;
+  const std::size_t begin = svg.find("<g id=\"" + id + "\"");
+  if (begin == std::string::npos) return paths;
+  const std::size_t end = svg.find("</g>", begin);
+  const std::string lead = " d=\"";
+  for (std::size_t at = svg.find(lead, begin); at < end; at = svg.find(lead, at + 1)) {
+    std::string data =
+        svg.substr(at + lead.size(), svg.find('"', at + lead.size()) - at - lead.size());
+    const bool closed = data.ends_with('Z');
+    for (char& c : data) {
+      if (c == 'M' || c == 'L' || c == 'Z') c = ' ';
+    }
+    std::istringstream numbers(data);
+    Polyline line;
+    for (double x = 0, y = 0; numbers >> x >> y;) line.emplace_back(x, y);
+    paths.emplace_back(line, closed);
+  }
+  return paths;
+}
+
+TEST(Pattern, HasOutlinesSeamsAndGrainInMillimetres) {
+  const std::vector<GrainLine> grain{{0, 1, 0}, {2, 3, std::numbers::pi}, {1, 3, 0}};
+  const Pattern pattern = MakePattern(CutSquare(), {10, 0, grain});
+  EXPECT_EQ(pattern.points[1], Complex(40, 0));
+  EXPECT_THAT(pattern.outlines, ElementsAre(ElementsAre(0, 1, 2), ElementsAre(4, 5, 3)));
+  EXPECT_THAT(pattern.seams, ElementsAre(ElementsAre(2, 0), ElementsAre(4, 5)));
+  // Each on the piece that has both ends; 1 and 3 are on different ones.
+  EXPECT_THAT(pattern.grain_lines, ElementsAre(ElementsAre(Complex(0, 0), Complex(40, 0)),
+                                               ElementsAre(Complex(140, 40), Complex(100, 40))));
+  EXPECT_TRUE(pattern.allowance.empty());
+}
+
+TEST(Pattern, ALoopOfCutsIsOneSeam) {
+  Flattening flat = CutSquare();
+  flat.cuts = {{0, 1}, {1, 2}, {0, 2}};
+  const Pattern pattern = MakePattern(flat, {});
+  EXPECT_THAT(pattern.seams, ElementsAre(ElementsAre(0, 1, 2, 0), ElementsAre(4, 5)));
+}
+
+TEST(Pattern, PiecesThatTheAllowanceBringsTogetherAreSetApart) {
+  const Pattern apart = MakePattern(CutSquare(), {1, 1, {}});
+  EXPECT_EQ(apart.points, CutSquare().uv);
+  const Pattern close = MakePattern(CutSquare(5), {1, 1, {}});
+  ASSERT_EQ(close.allowance.size(), 2u);
+  std::array<Bounds, 2> boxes;
+  for (std::size_t i = 0; i < 2; ++i) boxes[i].Add(close.allowance[i]);
+  EXPECT_TRUE(boxes[0].max_x < boxes[1].min_x || boxes[1].max_y < boxes[0].min_y);
+  // Moved, not bent: the piece is where its allowance is.
+  EXPECT_NEAR(std::abs(close.points[5] - close.points[4]), std::hypot(4, 4), 1e-12);
+  for (const std::size_t u : {4u, 5u, 3u}) {
+    EXPECT_GT(close.points[u].real(), boxes[1].min_x);
+    EXPECT_LT(close.points[u].real(), boxes[1].max_x);
+    EXPECT_GT(close.points[u].imag(), boxes[1].min_y);
+    EXPECT_LT(close.points[u].imag(), boxes[1].max_y);
+  }
+}
+
+TEST(Allowance, OfARectangleIsALargerOne) {
+  const auto rings = OffsetOutwards({{{0, 0}, {100, 0}, {100, 50}, {0, 50}}}, 10);
+  ASSERT_EQ(rings.size(), 1u);
+  EXPECT_THAT(rings[0], ElementsAre(Complex(110, 60), Complex(-10, 60), Complex(-10, -10),
+                                    Complex(110, -10)));
+}
+
+TEST(Allowance, HolesShrinkAndVanish) {
+  const Ring outer{{0, 0}, {100, 0}, {100, 100}, {0, 100}};
+  EXPECT_THAT(OffsetOutwards({outer, {{30, 30}, {30, 70}, {70, 70}, {70, 30}}}, 10),
+              ElementsAre(testing::_, ElementsAre(Complex(60, 60), Complex(60, 40), Complex(40, 40),
+                                                  Complex(40, 60))));
+  EXPECT_EQ(OffsetOutwards({outer, {{40, 30}, {40, 70}, {60, 70}, {60, 30}}}, 10).size(), 1u);
+}
+
+TEST(Allowance, FillsANarrowSlotWithoutCrossingItself) {
+  const auto rings = OffsetOutwards(
+      {{{0, 0}, {100, 0}, {100, 100}, {55, 100}, {55, 20}, {45, 20}, {45, 100}, {0, 100}}}, 10);
+  ASSERT_EQ(rings.size(), 1u);
+  EXPECT_EQ(rings[0].size(), 4u);  // a square
+}
+
+// Of every point of the border the distance to the outline is the width, at most the limit of the
+// corners more.
+TEST(Allowance, KeepsItsWidthRoundASharpAndAHollowCorner) {
+  const Ring arrow{{0, 0}, {60, -8}, {20, 0}, {60, 8}};
+  constexpr double kWidth = 5;
+  const auto rings = OffsetOutwards({arrow}, kWidth);
+  ASSERT_EQ(rings.size(), 1u);
+  const Ring& border = rings[0];
+  const auto distance = [&](Complex p) {
+    double least = INFINITY;
+    for (std::size_t i = 0; i < arrow.size(); ++i) {
+      const Complex a = arrow[i], side = arrow[(i + 1) % arrow.size()] - a;
+      const double along = (std::conj(side) * (p - a)).real() / std::norm(side);
+      least = std::min(least, std::abs(p - a - std::clamp(along, 0.0, 1.0) * side));
+    }
+    return least;
+  };
+  const std::size_t n = border.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    for (int k = 0; k < 20; ++k) {
+      const double t = k / 20.0;
+      const Complex p = border[i] + t * (border[(i + 1) % n] - border[i]);
+      EXPECT_GE(distance(p), kWidth - 0.01) << p;
+      // The end of a cut corner lies beside the axis that the limit is measured on.
+      EXPECT_LE(distance(p), 2.3 * kWidth) << p;
+    }
+  }
+}
+
+TEST(Dxf, LayersLengthsAndClosedOutlinesReadBack) {
+  const std::vector<GrainLine> grain{{0, 1, 0}};
+  const Pattern pattern = MakePattern(CutSquare(), {10, 5, grain});
+  std::vector<std::string> layers;
+  const std::vector<DxfEntity> entities = ReadDxf(FormatDxf(pattern), layers);
+  EXPECT_THAT(layers, ElementsAre("OUTLINE", "SEAM", "GRAIN", "CUT"));
+  std::map<std::string, std::vector<DxfEntity>> by_layer;
+  for (const DxfEntity& entity : entities) by_layer[entity.layer].push_back(entity);
+  const double diagonal = std::hypot(40, 40);
+  ASSERT_EQ(by_layer["OUTLINE"].size(), 2u);
+  for (const DxfEntity& outline : by_layer["OUTLINE"]) {
+    EXPECT_TRUE(outline.closed);
+    EXPECT_NEAR(Length(outline.points, true), 80 + diagonal, 1e-5);
+    EXPECT_NEAR(Area(outline.points), 800, 1e-3);  // counter-clockwise, not mirrored
+  }
+  ASSERT_EQ(by_layer["SEAM"].size(), 2u);
+  for (const DxfEntity& seam : by_layer["SEAM"]) {
+    EXPECT_FALSE(seam.closed);
+    EXPECT_NEAR(Length(seam.points, false), diagonal, 1e-5);
+  }
+  ASSERT_EQ(by_layer["GRAIN"].size(), 1u);
+  EXPECT_EQ(by_layer["GRAIN"][0].type, "LINE");
+  EXPECT_NEAR(Length(by_layer["GRAIN"][0].points, false), 40, 1e-5);
+  ASSERT_EQ(by_layer["CUT"].size(), 2u);
+  for (const DxfEntity& cut : by_layer["CUT"]) {
+    EXPECT_TRUE(cut.closed);
+    EXPECT_GT(Area(cut.points), 800 + 5 * (80 + diagonal));
+  }
+}
+
+TEST(PatternSheet, IsInMillimetres) {
+  const Pattern pattern = MakePattern(CutSquare(), {10, 0, {}});
+  const std::string svg = FormatPattern(pattern, {/*strain=*/false, /*interior=*/false, {}});
+  // 140 mm wide, 40 high, 10 round about.
+  EXPECT_THAT(svg, HasSubstr("width=\"160mm\" height=\"60mm\" viewBox=\"0 0 160 60\""));
+  const auto outlines = Paths(svg, "outline");
+  ASSERT_EQ(outlines.size(), 2u);
+  for (const auto& [line, closed] : outlines) {
+    EXPECT_TRUE(closed);
+    EXPECT_NEAR(Length(line, true), 80 + std::hypot(40, 40), 0.01);
+    EXPECT_NEAR(Area(line), -800, 0.1);  // y goes down
+  }
+  EXPECT_EQ(Paths(svg, "seam").size(), 2u);
+  for (const char* absent : {"strain", "interior", "grain", "allowance"}) {
+    EXPECT_THAT(svg, Not(HasSubstr("id=\"" + std::string(absent)))) << absent;
+  }
+}
+
+TEST(PatternSheet, HasWhatIsAskedFor) {
+  Flattening whole = CutSquare();
+  whole.corner_uv = {{0, 1, 2}, {0, 2, 3}};  // an edge inside, and a chart for all
+  whole.triangle_chart = {0, 0};
+  whole.uv[3] = {0, 4};
+  whole.charts.resize(1);
+  whole.charts[0].loops = {{0, 1, 2, 3}};
+  const std::vector<GrainLine> grain{{0, 1, 0}};
+  const Pattern pattern = MakePattern(whole, {1, 2, grain});
+  const std::string svg = FormatPattern(pattern, {/*strain=*/true, /*interior=*/true, {"a < b"}});
+  EXPECT_EQ(Paths(svg, "strain").size(), 2u);  // two shades
+  EXPECT_EQ(Paths(svg, "interior").size(), 1u);
+  EXPECT_EQ(Paths(svg, "grain").size(), 2u);  // the line and its head
+  const auto allowance = Paths(svg, "allowance");
+  ASSERT_EQ(allowance.size(), 1u);
+  EXPECT_NEAR(std::abs(Area(allowance[0].first)), 64, 1e-6);
+  EXPECT_THAT(svg, HasSubstr("+5 %"));
+  EXPECT_THAT(svg, HasSubstr("larger principal strain"));
+  EXPECT_THAT(svg, HasSubstr("50 mm"));
+  EXPECT_THAT(svg, HasSubstr("a &lt; b"));
+}
+
+// A vertex of no triangle lies anywhere and must not widen the page.
+TEST(PatternSheet, LooseVerticesAreNotDrawn) {
+  Flattening flat = CutSquare();
+  flat.uv.emplace_back(1e6, 1e6);
+  flat.source.push_back(4);
+  const std::string svg = FormatPattern(MakePattern(flat, {10, 0, {}}), {false, false, {}});
+  EXPECT_THAT(svg, HasSubstr("viewBox=\"0 0 160 60\""));
+}
+
+}  // namespace
+}  // namespace arap

@@ -1,0 +1,108 @@
+#include "core/files/mesh_file.h"
+
+#include <gmock/gmock.h>
+
+#include "core/files/obj.h"
+#include "core/files/off.h"
+#include "tests/support/folder.h"
+
+namespace arap {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class MeshFile : public FolderTest {
+ protected:
+  // The message of the fault that reading this OBJ gives.
+  std::string Complaint(const std::string& obj) const {
+    const auto mesh = ReadSurfaceMesh(Put("bad.obj", obj));
+    return mesh ? "no fault" : mesh.error().message;
+  }
+};
+
+// Out of order, with a vertex in the middle that no triangle uses.
+constexpr const char* kObj =
+    "# comment\nmtllib a.mtl\nv 0.1 0.30000000000000004 -1e-17\nv 5 5 5\nv 1 0 0\nv 0 1 0.5\n"
+    "vt 0 0\nvt 1 0\nvn 0 0 1\n";
+
+TEST_F(MeshFile, ObjKeepsOrderUnusedVerticesAndEveryBit) {
+  const auto mesh = ReadSurfaceMesh(Put("a.obj", std::string(kObj) + "f 4/1/1 1/2/1 3/1/1\n"));
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_THAT(mesh->vertices, ElementsAre(Point3{0.1, 0.30000000000000004, -1e-17}, Point3{5, 5, 5},
+                                          Point3{1, 0, 0}, Point3{0, 1, 0.5}));
+  EXPECT_THAT(mesh->triangles, ElementsAre(Triangle{3, 0, 2}));
+}
+
+TEST_F(MeshFile, ObjWithTabsLinesAndCarriageReturns) {
+  const auto mesh =
+      ReadSurfaceMesh(Put("a.OBJ", "v\t0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nl 1 2\r\nf 1\t2\t3\r\n"));
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_THAT(mesh->triangles, ElementsAre(Triangle{0, 1, 2}));
+}
+
+TEST_F(MeshFile, ObjWithRelativeIndices) {
+  const auto mesh = ReadSurfaceMesh(Put("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n"));
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_THAT(mesh->triangles, ElementsAre(Triangle{0, 1, 2}));
+}
+
+TEST_F(MeshFile, OffKeepsOrderAndUnusedVertices) {
+  const auto mesh = ReadSurfaceMesh(
+      Put("a.off", "OFF\n4 1 0\n0.1 0.30000000000000004 3\n5 5 5\n1 0 0\n0 1 0\n3 3 0 2\n"));
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_THAT(mesh->vertices, ElementsAre(Point3{0.1, 0.30000000000000004, 3}, Point3{5, 5, 5},
+                                          Point3{1, 0, 0}, Point3{0, 1, 0}));
+  EXPECT_THAT(mesh->triangles, ElementsAre(Triangle{3, 0, 2}));
+}
+
+TEST_F(MeshFile, WhatIsWrittenReadsBackExactly) {
+  const SurfaceMesh mesh{{{0.1, 1.0 / 3, -2e-300}, {1e17, 0, 0}, {0, 1, 0}}, {{2, 0, 1}}};
+  const auto back = ReadSurfaceMesh(Put("a.obj", FormatObj(mesh)));
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(*back, mesh);
+}
+
+TEST_F(MeshFile, FlatPositionsAreWrittenPerCorner) {
+  const SurfaceMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+  const std::vector<Complex> uv{{0, 0}, {0.5, 0}, {0, 0.25}};
+  const std::vector<Triangle> corner_uv{{1, 2, 0}};
+  EXPECT_EQ(FormatObj(mesh, uv, corner_uv),
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 0.5 0\nvt 0 0.25\nf 1/2 2/3 3/1\n");
+}
+
+TEST_F(MeshFile, PlanarMeshDropsACommonZ) {
+  const auto mesh = ReadPlanarMesh(Put("a.obj", "v 0 0 2\nv 1 0 2\nv 0 1 2\nf 1 2 3\n"));
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_THAT(mesh->vertices, ElementsAre(Complex(0, 0), Complex(1, 0), Complex(0, 1)));
+  const auto bent = ReadPlanarMesh(Put("b.obj", "v 0 0 2\nv 1 0 2\nv 0 1 3\nf 1 2 3\n"));
+  ASSERT_FALSE(bent);
+  EXPECT_THAT(bent.error().message, HasSubstr("vertex 2 has z = 3"));
+}
+
+TEST_F(MeshFile, FaultsNameTheFileAndWhatIsWrong) {
+  EXPECT_THAT(Complaint("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"),
+              HasSubstr("bad.obj: not a triangle mesh: face 0 has 4 corners"));
+  EXPECT_THAT(Complaint("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"), HasSubstr("vertex that is not"));
+  EXPECT_THAT(Complaint("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n"), HasSubstr("bad.obj"));
+  EXPECT_THAT(Complaint("v 0 0 zero\n"), HasSubstr("not a readable .obj file"));
+  EXPECT_THAT(Complaint(""), HasSubstr("bad.obj"));
+
+  // Whoever has the bytes at hand gets the same without a path.
+  EXPECT_EQ(ParseObj("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n").error(),
+            Fault(FaultKind::kInvalidOption, "not a triangle mesh: face 0 has 4 corners"));
+  EXPECT_THAT(ParseOff("OFF\n1 0 0\n0 zero 0\n").error().message,
+              HasSubstr("not a readable .off file"));
+
+  const auto unknown = ReadSurfaceMesh(Put("a.txt", "v 0 0 0\n"));
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().kind, FaultKind::kInvalidOption);
+  EXPECT_THAT(unknown.error().message, HasSubstr(".obj"));
+  const auto missing = ReadSurfaceMesh(Path("missing.obj"));
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().kind, FaultKind::kNotFound);
+  EXPECT_THAT(missing.error().message, HasSubstr("missing.obj"));
+}
+
+}  // namespace
+}  // namespace arap
