@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <optional>
-#include <sstream>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "arap/core/flattener.h"
+#include "core/files/mesh_file.h"
 #include "tests/bench/contenders.h"
 #include "tests/bench/layout_quality.h"
 
@@ -19,32 +18,6 @@ namespace arap::bench {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Vertices and triangles; the first number of a corner counts, from 1.
-SurfaceMesh ReadObj(const fs::path& path) {
-  SurfaceMesh mesh;
-  std::ifstream file(path);
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream words(line);
-    std::string kind;
-    words >> kind;
-    if (kind == "v") {
-      Point3 p{};
-      words >> p[0] >> p[1] >> p[2];
-      mesh.vertices.push_back(p);
-    } else if (kind == "f") {
-      Triangle triangle;
-      for (std::uint32_t& corner : triangle) {
-        std::string word;
-        words >> word;
-        corner = static_cast<std::uint32_t>(std::strtoul(word.c_str(), nullptr, 10)) - 1;
-      }
-      mesh.triangles.push_back(triangle);
-    }
-    if (words.fail()) Die(fmt::format("{}: cannot read \"{}\"", path.string(), line));
-  }
-  return mesh;
-}
 
 struct Way {
   std::string name;
@@ -174,7 +147,7 @@ void PrintSurfacesTable(const std::string& directory) {
   const std::vector<Way> ways = Ways();
   std::vector<std::vector<Cell>> surfaces;
   for (const fs::path& file : files) {
-    const SurfaceMesh mesh = ReadObj(file);
+    const SurfaceMesh mesh = Must(ReadSurfaceMesh(file.string()));
     fmt::print("\n{}, {} vertices, {} triangles (* overlaps itself)\n", file.filename().string(),
                mesh.vertices.size(), mesh.triangles.size());
     fmt::print(kLine, "", "energy", "best size", "flips", "stretch %", "squeeze %", "taken", "ms");
