@@ -1,15 +1,15 @@
 #include "client/cli/report.h"
 
 #include <algorithm>
-#include <cctype>
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "arap/client/error.h"
 #include "client/cli/commands/commands.h"
 
 namespace arap::cli {
@@ -77,6 +77,20 @@ void Elapsed::Show() {
 void Elapsed::Clear() {
   if (shown_) fmt::print(stderr, "\r\033[K");
   shown_ = false;
+}
+
+Percentiles PercentilesOf(std::vector<double> samples) {
+  if (samples.empty()) return {};
+  std::sort(samples.begin(), samples.end());
+  const auto at = [&](double percent) {
+    const double rank = std::ceil(percent / 100 * static_cast<double>(samples.size()));
+    return samples[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
+  };
+  return {at(50), at(90), at(99), samples.back()};
+}
+
+nlohmann::ordered_json ToJson(const Percentiles& times) {
+  return {{"p50", times.p50}, {"p90", times.p90}, {"p99", times.p99}, {"max", times.max}};
 }
 
 }  // namespace arap::cli

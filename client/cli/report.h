@@ -1,10 +1,13 @@
-// What the commands say on standard error, and on a terminal while they work.
+// What the commands say: faults and warnings on standard error, on a terminal how the work goes on,
+// and what a set of times amounts to.
 #pragma once
 
 #include <chrono>
 #include <cstddef>
 #include <string>
 #include <vector>
+
+#include <nlohmann/json_fwd.hpp>
 
 #include "arap/base/fault.h"
 #include "arap/client/mesh.h"
@@ -56,5 +59,14 @@ class Elapsed {
   bool shown_ = false;
   bool terminal_;
 };
+
+struct Percentiles {
+  double p50 = 0, p90 = 0, p99 = 0, max = 0;
+};
+
+// Exact: the smallest sample that so many percent do not exceed. Zeros without samples.
+Percentiles PercentilesOf(std::vector<double> samples);
+// {"p50": …, "p90": …, "p99": …, "max": …}.
+nlohmann::ordered_json ToJson(const Percentiles& times);
 
 }  // namespace arap::cli

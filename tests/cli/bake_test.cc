@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/files/mesh_file.h"
-#include "tests/cli/csv.h"
 #include "tests/cli/run.h"
 
 namespace arap::cli {

@@ -8,7 +8,6 @@
 #include "client/cli/sample/grid.h"
 #include "core/files/obj.h"
 #include "core/files/track.h"
-#include "tests/cli/csv.h"
 #include "tests/cli/run.h"
 
 namespace arap::cli {

@@ -1,8 +1,9 @@
-// info and load against a private server.
+// info and load against a private server, and the pieces of load.
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 #include "client/cli/load/load_stream.h"
+#include "client/cli/report.h"
 #include "tests/cli/run.h"
 
 namespace arap::cli {
@@ -66,6 +67,25 @@ TEST(LoadPlan, HasTheVerticesAndHandlesThatWereAsked) {
     EXPECT_EQ(plan.rests.size(), 16u);
   }
 }
+
+TEST(Percentiles, OfOneToAHundred) {
+  std::vector<double> samples;
+  for (int i = 100; i >= 1; --i) samples.push_back(i);
+  const Percentiles percentiles = PercentilesOf(samples);
+  EXPECT_EQ(percentiles.p50, 50);
+  EXPECT_EQ(percentiles.p90, 90);
+  EXPECT_EQ(percentiles.p99, 99);
+  EXPECT_EQ(percentiles.max, 100);
+}
+
+TEST(Percentiles, OfOneSampleAreThatSample) {
+  const Percentiles percentiles = PercentilesOf({7});
+  EXPECT_EQ(percentiles.p50, 7);
+  EXPECT_EQ(percentiles.p99, 7);
+  EXPECT_EQ(percentiles.max, 7);
+}
+
+TEST(Percentiles, OfNothingAreZero) { EXPECT_EQ(PercentilesOf({}).max, 0); }
 
 }  // namespace
 }  // namespace arap::cli

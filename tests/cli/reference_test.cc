@@ -9,7 +9,6 @@
 #include "core/drawing/outline.h"
 #include "core/files/mesh_file.h"
 #include "core/files/track.h"
-#include "tests/cli/csv.h"
 #include "tests/cli/run.h"
 
 namespace arap::cli {

@@ -2,9 +2,13 @@
 
 #include <array>
 #include <cerrno>
-#include <thread>
+#include <charconv>
+#include <chrono>
+#include <limits>
 
 #include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,17 +18,47 @@
 namespace arap::cli {
 namespace {
 
-std::string Drain(int descriptor) {
-  std::string text;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr std::chrono::minutes kTimeout{5};
+
+// Appends what there is to read; false at the end.
+bool ReadSome(int descriptor, std::string& text) {
   std::array<char, 4096> buffer{};
-  ssize_t count = 0;
-  while ((count = read(descriptor, buffer.data(), buffer.size())) > 0 || errno == EINTR) {
-    if (count > 0) text.append(buffer.data(), static_cast<std::size_t>(count));
-    errno = 0;
-    if (count == 0) break;
+  const ssize_t count = read(descriptor, buffer.data(), buffer.size());
+  if (count > 0) text.append(buffer.data(), static_cast<std::size_t>(count));
+  return count > 0 || (count < 0 && errno == EINTR);
+}
+
+// Reads both pipes to their ends, as a full one would stop the program; false when it is still
+// running at the deadline.
+bool ReadBoth(int out, int err, steady_clock::time_point deadline, Outcome& outcome) {
+  std::array<pollfd, 2> pipes{{{out, POLLIN, 0}, {err, POLLIN, 0}}};
+  while (pipes[0].fd >= 0 || pipes[1].fd >= 0) {
+    const auto left = std::chrono::duration_cast<milliseconds>(deadline - steady_clock::now());
+    if (left.count() <= 0) return false;
+    if (poll(pipes.data(), pipes.size(), static_cast<int>(left.count())) < 0 && errno != EINTR) {
+      return false;
+    }
+    if (pipes[0].revents != 0 && !ReadSome(out, outcome.out)) pipes[0].fd = -1;
+    if (pipes[1].revents != 0 && !ReadSome(err, outcome.err)) pipes[1].fd = -1;
   }
-  close(descriptor);
-  return text;
+  return true;
+}
+
+// Cuts off what comes before the first separator, or everything.
+std::string_view Cut(std::string_view& text, char separator) {
+  const std::size_t end = text.find(separator);
+  const std::string_view piece = text.substr(0, end);
+  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  return piece;
+}
+
+double Number(std::string_view text) {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return value;
 }
 
 }  // namespace
@@ -51,10 +85,13 @@ Outcome Arapctl(const std::vector<std::string>& arguments) {
   close(err[1]);
 
   Outcome outcome;
-  // Both at once: a full pipe would stop the program.
-  std::thread other([&] { outcome.err = Drain(err[0]); });
-  outcome.out = Drain(out[0]);
-  other.join();
+  if (!ReadBoth(out[0], err[0], steady_clock::now() + kTimeout, outcome)) {
+    ADD_FAILURE() << "arapctl " << testing::PrintToString(arguments) << " did not end within "
+                  << kTimeout.count() << " minutes";
+    kill(pid, SIGKILL);
+  }
+  close(out[0]);
+  close(err[0]);
   int status = 0;
   while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
   }
@@ -67,6 +104,18 @@ std::string Slurp(const std::string& path) {
   if (text) return *text;
   ADD_FAILURE() << text.error().message;
   return {};
+}
+
+Csv ParseCsv(std::string_view text) {
+  Csv csv;
+  csv.header = Cut(text, '\n');
+  while (!text.empty()) {
+    std::string_view line = Cut(text, '\n');
+    csv.frames.push_back(static_cast<std::size_t>(Number(Cut(line, ','))));
+    std::vector<double>& row = csv.rows.emplace_back();
+    while (!line.empty()) row.push_back(Number(Cut(line, ',')));
+  }
+  return csv;
 }
 
 }  // namespace arap::cli

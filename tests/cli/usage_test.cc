@@ -73,7 +73,7 @@ TEST_F(Usage, MissingAndBadFilesAreNamed) {
 TEST_F(Usage, AnAbsentServerIsAFailure) {
   const Outcome outcome = Arapctl({"info", "--server", "unix:" + Path("nobody.sock")});
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("cannot reach"));
+  EXPECT_THAT(outcome.err, HasSubstr("Cannot reach"));
 }
 
 TEST_F(Usage, SamplesThatCannotBeWritten) {

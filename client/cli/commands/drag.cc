@@ -13,7 +13,6 @@
 #include "client/cli/commands/drag_loop.h"
 #include "client/cli/commands/drag_report.h"
 #include "client/cli/commands/stage.h"
-#include "client/cli/load/percentiles.h"
 #include "client/cli/report.h"
 #include "core/files/shapes.h"
 #include "core/files/text_file.h"

@@ -5,16 +5,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "client/cli/load/percentiles.h"
+#include "client/cli/report.h"
 
 namespace arap::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json ToJson(const Percentiles& times) {
-  return {{"p50", times.p50}, {"p90", times.p90}, {"p99", times.p99}, {"max", times.max}};
-}
 
 Json ToJson(const EditTimes& edit) {
   return {{"frame", edit.frame},

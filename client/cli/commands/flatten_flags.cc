@@ -7,6 +7,7 @@
 
 #include "client/cli/commands/flatten_inputs.h"
 #include "client/cli/commands/option_names.h"
+#include "core/base/try.h"
 #include "core/files/text_file.h"
 
 namespace arap::cli {
@@ -168,31 +169,21 @@ Result<client::FlattenOptions> ReadOptions(const FlattenFlags& flags, std::size_
                                            std::size_t triangle_count) {
   client::FlattenOptions options = flags.options;
   if (!flags.seams.empty()) {
-    auto seams = ReadTextFile(flags.seams).and_then([&](const std::string& text) {
-      return ParseSeams(text, flags.seams, vertex_count);
-    });
-    if (!seams) return Fail(seams.error());
-    options.seam_edges = *std::move(seams);
+    TRY(const std::string text, ReadTextFile(flags.seams));
+    TRY(options.seam_edges, ParseSeams(text, flags.seams, vertex_count));
   }
   if (!flags.pins.empty()) {
-    auto pins = ReadTextFile(flags.pins).and_then([&](const std::string& text) {
-      return ParsePins(text, flags.pins, vertex_count);
-    });
-    if (!pins) return Fail(pins.error());
-    options.pins = *std::move(pins);
+    TRY(const std::string text, ReadTextFile(flags.pins));
+    TRY(options.pins, ParsePins(text, flags.pins, vertex_count));
   }
   if (!flags.rigidity.empty()) {
-    auto rigidity = ReadTextFile(flags.rigidity).and_then([&](const std::string& text) {
-      return ParseRigidity(text, flags.rigidity, triangle_count);
-    });
-    if (!rigidity) return Fail(rigidity.error());
-    options.energy.rigidity = *std::move(rigidity);
+    TRY(const std::string text, ReadTextFile(flags.rigidity));
+    TRY(options.energy.rigidity, ParseRigidity(text, flags.rigidity, triangle_count));
   }
   for (const std::string& text : flags.grain) {
-    const Result<client::GrainLine> line = ParseGrain(text);
-    if (!line) return Fail(line.error());
-    if (const Status good = CheckGrain(*line, vertex_count); !good) return Fail(good.error());
-    options.grain_lines.push_back(*line);
+    TRY(const client::GrainLine line, ParseGrain(text));
+    CHECK_OK(CheckGrain(line, vertex_count));
+    options.grain_lines.push_back(line);
   }
   return options;
 }

@@ -11,6 +11,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/base/try.h"
+
 namespace arap::cli {
 namespace {
 
@@ -127,7 +129,7 @@ Result<std::vector<double>> ParseJsonRigidity(const std::string& text, const std
 
 Result<std::vector<double>> ParseRigidityLines(const std::string& text, const std::string& name) {
   std::vector<double> rigidity;
-  const Status read = ReadLines(text, name, [&](const Words& words) -> Status {
+  CHECK_OK(ReadLines(text, name, [&](const Words& words) -> Status {
     if (words.size() > 1) {
       return Bad(fmt::format("a line has one rigidity, these are {} words", words.size()));
     }
@@ -135,8 +137,7 @@ Result<std::vector<double>> ParseRigidityLines(const std::string& text, const st
     if (!number) return Bad(fmt::format("'{}' is not a finite number", words[0]));
     rigidity.push_back(*number);
     return CheckRigidity(*number);
-  });
-  if (!read) return Fail(read.error());
+  }));
   return rigidity;
 }
 
@@ -146,32 +147,28 @@ Result<std::vector<std::uint32_t>> ParseSeams(const std::string& text, const std
                                               std::size_t vertex_count) {
   if (IsJson(text)) return ParseJsonSeams(text, name, vertex_count);
   std::vector<std::uint32_t> seams;
-  const Status read = ReadLines(text, name, [&](const Words& words) -> Status {
+  CHECK_OK(ReadLines(text, name, [&](const Words& words) -> Status {
     if (words.size() < 2) return Bad("a seam goes from one vertex to another");
     std::optional<std::uint32_t> last;
     for (const std::string& word : words) {
-      const Result<std::uint32_t> vertex = ParseVertex(word, vertex_count);
-      if (!vertex) return Fail(vertex.error());
-      if (last) seams.insert(seams.end(), {*last, *vertex});
-      last = *vertex;
+      TRY(const std::uint32_t vertex, ParseVertex(word, vertex_count));
+      if (last) seams.insert(seams.end(), {*last, vertex});
+      last = vertex;
     }
     return {};
-  });
-  if (!read) return Fail(read.error());
+  }));
   return seams;
 }
 
 Result<std::vector<client::UvPin>> ParsePins(const std::string& text, const std::string& name,
                                              std::size_t vertex_count) {
   std::vector<client::UvPin> pins;
-  const Status read = ReadLines(text, name, [&](const Words& words) -> Status {
+  CHECK_OK(ReadLines(text, name, [&](const Words& words) -> Status {
     if (words.size() < 3 || words.size() > 4) {
       return Bad(fmt::format("a pin is 'vertex u v [weight]', these are {} words", words.size()));
     }
     client::UvPin pin;
-    const Result<std::uint32_t> vertex = ParseVertex(words[0], vertex_count);
-    if (!vertex) return Fail(vertex.error());
-    pin.vertex = *vertex;
+    TRY(pin.vertex, ParseVertex(words[0], vertex_count));
     double* const places[] = {&pin.u, &pin.v, &pin.weight};
     for (std::size_t i = 1; i < words.size(); ++i) {
       const std::optional<double> number = ParseFinite(words[i]);
@@ -181,8 +178,7 @@ Result<std::vector<client::UvPin>> ParsePins(const std::string& text, const std:
     if (pin.weight < 0) return Bad("a weight is not negative; 0 or none holds exactly");
     pins.push_back(pin);
     return {};
-  });
-  if (!read) return Fail(read.error());
+  }));
   return pins;
 }
 
@@ -206,9 +202,7 @@ Result<client::GrainLine> ParseGrain(const std::string& text) {
   client::GrainLine line;
   std::uint32_t* const ends[] = {&line.from_vertex, &line.to_vertex};
   for (std::size_t i = 0; i < 2; ++i) {
-    const Result<std::uint32_t> vertex = ParseVertex(words[i], UINT32_MAX);
-    if (!vertex) return Fail(vertex.error());
-    *ends[i] = *vertex;
+    TRY(*ends[i], ParseVertex(words[i], UINT32_MAX));
   }
   if (words.size() == 3) {
     const std::optional<double> angle = ParseFinite(words[2]);

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "core/base/try.h"
 #include "core/files/text_file.h"
 
 namespace arap::cli {
@@ -14,10 +15,9 @@ Result<std::string> ReadToken(const std::string& path) {
     const char* const token = std::getenv(kTokenVariable);
     return std::string(token == nullptr ? "" : token);
   }
-  Result<std::string> token = ReadTextFile(path);
-  if (!token) return token;
-  token->erase(token->find_last_not_of(" \t\r\n") + 1);
-  if (token->empty()) return Fail(FaultKind::kInvalidOption, path + " holds no token");
+  TRY(std::string token, ReadTextFile(path));
+  token.erase(token.find_last_not_of(" \t\r\n") + 1);
+  if (token.empty()) return Fail(FaultKind::kInvalidOption, path + " holds no token.");
   return token;
 }
 
@@ -25,9 +25,7 @@ Result<client::ConnectOptions> OptionsOf(const ServerFlags& flags) {
   client::ConnectOptions options = flags.connect;
   // A private server is on a socket that only we know.
   if (flags.spawn) return options;
-  Result<std::string> token = ReadToken(flags.token_file);
-  if (!token) return Fail(token.error());
-  options.token = *std::move(token);
+  TRY(options.token, ReadToken(flags.token_file));
   return options;
 }
 
@@ -35,11 +33,10 @@ Result<client::ConnectOptions> OptionsOf(const ServerFlags& flags) {
 Result<client::Client> ConnectReady(const std::string& address,
                                     const client::ConnectOptions& options) {
   constexpr std::chrono::seconds kTimeout{5};
-  Result<client::Client> client = client::Client::Connect(address, options);
-  if (!client) return client;
-  if (const Status ready = client->WaitReady(kTimeout); !ready) {
+  TRY(client::Client client, client::Client::Connect(address, options));
+  if (const Status ready = client.WaitReady(kTimeout); !ready) {
     Fault fault = ready.error();
-    fault.message = "cannot reach " + address + ": " + fault.message +
+    fault.message = "Cannot reach " + address + ": " + fault.message +
                     (options.wants_tls()
                          ? " (does it speak TLS, with a certificate that --tls-ca vouches for and "
                            "the name of its address?)"
@@ -80,20 +77,15 @@ void AddServerFlags(CLI::App& command, ServerFlags& flags) {
 }
 
 Result<Connection> Connection::Open(const ServerFlags& flags) {
-  Result<client::ConnectOptions> options = OptionsOf(flags);
-  if (!options) return Fail(options.error());
+  TRY(client::ConnectOptions options, OptionsOf(flags));
   std::optional<SpawnedServer> spawned;
   std::string address = flags.server;
   if (flags.spawn) {
-    Result<SpawnedServer> started = SpawnedServer::Start();
-    if (!started) return Fail(started.error());
-    spawned = std::move(*started);
+    TRY(spawned, SpawnedServer::Start());
     address = spawned->address();
   }
-  Result<client::Client> client = ConnectReady(address, *options);
-  if (!client) return Fail(client.error());
-  return Connection(std::move(spawned), std::move(address), *std::move(options),
-                    *std::move(client));
+  TRY(client::Client client, ConnectReady(address, options));
+  return Connection(std::move(spawned), std::move(address), std::move(options), std::move(client));
 }
 
 Connection::Connection(std::optional<SpawnedServer> spawned, std::string address,

@@ -17,6 +17,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/base/try.h"
+
 // The header of glibc 2.36 forgets that C++ may include it.
 extern "C" {
 #include <sys/pidfd.h>
@@ -35,7 +37,7 @@ constexpr std::size_t kLongestDirectory = 80;
 
 auto SystemFault(std::string_view what) {
   return Fail(FaultKind::kInternal,
-              fmt::format("{}: {}", what, std::generic_category().message(errno)));
+              fmt::format("{}: {}.", what, std::generic_category().message(errno)));
 }
 
 std::string FindServer() {
@@ -65,10 +67,10 @@ Result<SpawnedServer> SpawnedServer::Start() {
   std::string base = std::filesystem::temp_directory_path(error).string();
   if (error || base.size() > kLongestDirectory) base = "/tmp";
   std::string pattern = base + "/arapctl-XXXXXX";
-  if (mkdtemp(pattern.data()) == nullptr) return SystemFault("cannot make " + pattern);
+  if (mkdtemp(pattern.data()) == nullptr) return SystemFault("Cannot make " + pattern);
   server.directory_ = pattern;
-  if (const Status launched = server.Launch(); !launched) return Fail(launched.error());
-  if (const Status listening = server.AwaitListening(); !listening) return Fail(listening.error());
+  CHECK_OK(server.Launch());
+  CHECK_OK(server.AwaitListening());
   return server;
 }
 
@@ -81,13 +83,13 @@ Status SpawnedServer::Launch() {
                                        level_flag.data(), level.data(),         store_flag.data(),
                                        store.data(),      no_admin_flag.data(), nullptr};
   std::array<int, 2> pipe_ends{};
-  if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) return SystemFault("cannot make a pipe");
+  if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) return SystemFault("Cannot make a pipe");
   output_ = pipe_ends[0];
   const pid_t parent = getpid();
   const pid_t pid = fork();
   if (pid == 0) BecomeServer(arguments.data(), pipe_ends[1], parent);
   close(pipe_ends[1]);
-  if (pid < 0) return SystemFault("cannot start arapd");
+  if (pid < 0) return SystemFault("Cannot start arapd");
   pid_ = pid;
   return {};
 }
@@ -108,9 +110,11 @@ Status SpawnedServer::AwaitListening() {
     pollfd wait{output_, POLLIN, 0};
     const int ready = left.count() > 0 ? poll(&wait, 1, static_cast<int>(left.count())) : 0;
     if (ready < 0 && errno == EINTR) continue;
-    if (ready <= 0) return Fail(FaultKind::kDeadlineExceeded, "arapd did not start listening");
+    if (ready <= 0)
+      return Fail(FaultKind::kDeadlineExceeded,
+                  fmt::format("arapd did not listen within {} s.", kStartTimeout.count() / 1000));
     const ssize_t count = read(output_, buffer.data(), buffer.size());
-    if (count <= 0) return Fail(FaultKind::kInternal, "arapd ended before it was listening");
+    if (count <= 0) return Fail(FaultKind::kInternal, "arapd ended before it was listening.");
     text.append(buffer.data(), static_cast<std::size_t>(count));
   }
 }

@@ -10,8 +10,8 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/connect/connection.h"
 #include "client/cli/load/load_stream.h"
-#include "client/cli/load/percentiles.h"
 #include "client/cli/report.h"
+#include "core/base/try.h"
 #include "core/files/text_file.h"
 
 namespace arap::cli {
@@ -50,13 +50,11 @@ void Merge(LoadSamples&& from, LoadSamples& to) {
 }
 
 Result<LoadResult> Load(const LoadOptions& options) {
-  const Result<Connection> connection = Connection::Open(options.server);
-  if (!connection) return Fail(connection.error());
-  std::vector<client::Client> clients{connection->client()};
+  TRY(const Connection connection, Connection::Open(options.server));
+  std::vector<client::Client> clients{connection.client()};
   while (clients.size() < options.connections) {
-    Result<client::Client> client = connection->Another();
-    if (!client) return Fail(client.error());
-    clients.push_back(*std::move(client));
+    TRY(client::Client client, connection.Another());
+    clients.push_back(std::move(client));
   }
   LoadPlan plan = MakeLoadPlan(options.vertices, options.handles,
                                std::chrono::duration<double>(options.seconds));
@@ -77,10 +75,6 @@ Result<LoadResult> Load(const LoadOptions& options) {
   result.vertices = plan.mesh.vertex_count();
   for (LoadSamples& stream : samples) Merge(std::move(stream), result.samples);
   return result;
-}
-
-nlohmann::ordered_json ToJson(const Percentiles& times) {
-  return {{"p50", times.p50}, {"p90", times.p90}, {"p99", times.p99}, {"max", times.max}};
 }
 
 Status Report(const LoadOptions& options, const LoadResult& result) {
