@@ -10,7 +10,6 @@
 
 #include "client/cli/adapt.h"
 #include "client/cli/commands/commands.h"
-#include "client/cli/commands/edit_times.h"
 #include "client/cli/commands/stage.h"
 #include "client/cli/report.h"
 #include "core/files/shapes.h"

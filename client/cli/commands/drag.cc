@@ -1,17 +1,19 @@
 // arapctl drag: a track through a live stream, as an interactive client would.
 #include <istream>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "client/cli/adapt.h"
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/drag_loop.h"
-#include "client/cli/commands/drag_report.h"
 #include "client/cli/commands/stage.h"
 #include "client/cli/report.h"
 #include "core/files/shapes.h"
@@ -41,6 +43,63 @@ struct DragOptions {
   std::string json;
   std::vector<PickPoint> picks;
 };
+
+using Json = nlohmann::ordered_json;
+
+Json ToJson(const EditTimes& edit) {
+  return {{"frame", edit.frame},
+          {"removed", edit.removed},
+          {"added", edit.added},
+          {"round_trip_micros", edit.round_trip_micros},
+          {"queue_micros", edit.queue_micros},
+          {"solve_micros", edit.solve_micros}};
+}
+
+Json ToJson(double x, double y, const client::PickResult& pick) {
+  Json json{{"point", {x, y}}, {"hit", pick.hit}};
+  if (!pick.hit) return json;
+  json["rest"] = {pick.rest_x, pick.rest_y};
+  json["triangle"] = pick.triangle;
+  json["bary"] = pick.barycentric;
+  return json;
+}
+
+// Where each picked point x y x y… was at rest, a line for each: "pick 3,4: rest 1,2 in triangle 7"
+// or "pick 9,9: nothing there". `picks` are as many as points.
+std::string PickLines(std::span<const double> points, std::span<const client::PickResult> picks) {
+  std::string lines;
+  for (std::size_t i = 0; i < picks.size(); ++i) {
+    auto out = std::back_inserter(lines);
+    fmt::format_to(out, "pick {:.6g},{:.6g}: ", points[2 * i], points[2 * i + 1]);
+    if (picks[i].hit) {
+      fmt::format_to(out, "rest {:.6g},{:.6g} in triangle {}\n", picks[i].rest_x, picks[i].rest_y,
+                     picks[i].triangle);
+    } else {
+      lines += "nothing there\n";
+    }
+  }
+  return lines;
+}
+
+// All times, edits and picks.
+std::string JsonReport(const DragTimes& times, std::span<const double> points) {
+  Json json{{"sent", times.sent},
+            {"answered", times.answered},
+            {"replaced", times.replaced},
+            {"round_trip_micros", ToJson(PercentilesOf(times.round_trip_micros))},
+            {"queue_micros", ToJson(PercentilesOf(times.queue_micros))},
+            {"solve_micros", ToJson(PercentilesOf(times.solve_micros))},
+            {"frames_with_flips", times.frames_with_flips},
+            {"most_flips", times.most_flips},
+            {"worst_handle_error", times.worst_handle_error},
+            {"edits", Json::array()},
+            {"picks", Json::array()}};
+  for (const EditTimes& edit : times.edits) json["edits"].push_back(ToJson(edit));
+  for (std::size_t i = 0; i < times.picks.size(); ++i) {
+    json["picks"].push_back(ToJson(points[2 * i], points[2 * i + 1], times.picks[i]));
+  }
+  return json.dump(2) + "\n";
+}
 
 Status Drag(const DragOptions& options) {
   const Result<Stage> stage = Stage::Open(options.stage);

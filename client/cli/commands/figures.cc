@@ -12,7 +12,7 @@
 #include "client/cli/connect/connection.h"
 #include "client/cli/report.h"
 #include "client/cli/sample/character.h"
-#include "client/cli/sample/face.h"
+#include "client/cli/sample/surfaces.h"
 #include "core/drawing/comparison.h"
 #include "core/drawing/film.h"
 #include "core/files/text_file.h"

@@ -9,9 +9,8 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/report.h"
 #include "client/cli/sample/character.h"
-#include "client/cli/sample/face.h"
-#include "client/cli/sample/garment.h"
 #include "client/cli/sample/grid.h"
+#include "client/cli/sample/surfaces.h"
 #include "core/files/obj.h"
 #include "core/files/text_file.h"
 

@@ -1,6 +1,8 @@
-// A mesh with compiled handles on a server: what bake and drag have in common.
+// What bake and drag have in common: a mesh with compiled handles on a server, the pictures of its
+// frames, and how long a change of the handles took.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
@@ -84,5 +86,18 @@ class FilmMaker {
   std::vector<TrackSegment> segments_;
   Film film_;
 };
+
+// How long a change of the handles took.
+struct EditTimes {
+  std::size_t frame = 0;  // done before this one
+  std::size_t removed = 0;
+  std::size_t added = 0;
+  double queue_micros = 0;
+  double solve_micros = 0;
+  double round_trip_micros = 0;  // 0: not taken
+};
+
+// "edit before frame 60: 1 removed, 2 added in 83 µs".
+std::string Describe(const EditTimes& times);
 
 }  // namespace arap::cli

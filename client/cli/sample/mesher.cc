@@ -2,14 +2,106 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
-#include "client/cli/sample/delaunay.h"
-#include "client/cli/sample/outline.h"
+#include <boost/polygon/voronoi.hpp>
 
 namespace arap::cli {
 namespace {
+
+// Follows the outline in steps much finer than the sampling, until it closes.
+std::vector<Point> Trace(const Field& field, Point start, double step) {
+  constexpr std::size_t kMostSteps = 1'000'000;
+  std::vector<Point> fine{start};
+  while (fine.size() < kMostSteps) {
+    const Point here = fine.back();
+    const Point gradient = Gradient(field, here, step * 0.1);
+    // The gradient points outwards; a quarter turn to the left of it runs counter-clockwise.
+    const Point forward = Point(0, 1) * gradient / std::abs(gradient);
+    fine.push_back(Project(field, here + step * forward, step * 0.1));
+    if (fine.size() > 4 && std::abs(fine.back() - start) < 0.75 * step) break;
+  }
+  fine.back() = start;
+  return fine;
+}
+
+// The closed outline through `start` (which is moved onto it), counter-clockwise, as evenly spaced
+// points about `edge` apart. The outline has to be smooth over that length.
+std::vector<Point> SampleOutline(const Field& field, Point start, double edge) {
+  const double step = edge / 16;
+  const std::vector<Point> fine = Trace(field, Project(field, start, step * 0.1), step);
+  double length = 0;
+  for (std::size_t i = 1; i < fine.size(); ++i) length += std::abs(fine[i] - fine[i - 1]);
+
+  // An even number keeps a symmetric outline symmetric when `start` lies on its axis.
+  const auto count = 2 * static_cast<std::size_t>(std::lround(length / edge / 2));
+  const double spacing = length / static_cast<double>(count);
+  std::vector<Point> samples;
+  double walked = 0;
+  for (std::size_t i = 1; i < fine.size() && samples.size() < count; ++i) {
+    const double piece = std::abs(fine[i] - fine[i - 1]);
+    for (double next = static_cast<double>(samples.size()) * spacing;
+         next < walked + piece && samples.size() < count;
+         next = static_cast<double>(samples.size()) * spacing) {
+      const double along = (next - walked) / piece;
+      const Point chord = fine[i - 1] + along * (fine[i] - fine[i - 1]);
+      samples.push_back(Project(field, chord, step * 0.1));
+    }
+    walked += piece;
+  }
+  return samples;
+}
+
+using IntegerPoint = boost::polygon::point_data<int>;
+
+// The Voronoi builder is exact on 32-bit integers: the coordinates are spread over 2^30 steps.
+std::vector<IntegerPoint> ToGrid(std::span<const Point> points) {
+  double largest = 0;
+  for (const Point p : points) {
+    largest = std::max({largest, std::abs(p.real()), std::abs(p.imag())});
+  }
+  const double scale = largest > 0 ? std::exp2(29) / largest : 1;
+  std::vector<IntegerPoint> out;
+  out.reserve(points.size());
+  for (const Point p : points) {
+    out.emplace_back(static_cast<int>(std::lround(p.real() * scale)),
+                     static_cast<int>(std::lround(p.imag() * scale)));
+  }
+  return out;
+}
+
+// The triangles, counter-clockwise. The points must be distinct; there may be fewer than three.
+std::vector<Triangle> Delaunay(std::span<const Point> points) {
+  const std::vector<IntegerPoint> grid = ToGrid(points);
+  boost::polygon::voronoi_diagram<double> diagram;
+  boost::polygon::construct_voronoi(grid.begin(), grid.end(), &diagram);
+
+  std::vector<Triangle> triangles;
+  std::vector<std::uint32_t> around;
+  for (const auto& vertex : diagram.vertices()) {
+    // The sites round a Voronoi vertex lie on one circle: three of them, or more in a regular
+    // lattice.
+    around.clear();
+    const auto* edge = vertex.incident_edge();
+    do {
+      around.push_back(static_cast<std::uint32_t>(edge->cell()->source_index()));
+      edge = edge->rot_next();
+    } while (edge != vertex.incident_edge());
+    for (std::size_t k = 2; k < around.size(); ++k) {
+      Triangle triangle{around[0], around[k - 1], around[k]};
+      const Point a = points[triangle[0]];
+      if (Cross(points[triangle[1]] - a, points[triangle[2]] - a) < 0) {
+        std::swap(triangle[1], triangle[2]);
+      }
+      triangles.push_back(triangle);
+    }
+  }
+  return triangles;
+}
 
 // Lattice points nearer to the outline than this share of an edge would make thin triangles.
 constexpr double kClearance = 0.7;

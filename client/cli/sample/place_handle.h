@@ -4,7 +4,7 @@
 #include <string>
 
 #include "arap/model/mesh.h"
-#include "client/cli/sample/point.h"
+#include "client/cli/sample/field.h"
 #include "core/files/track.h"
 
 namespace arap::cli {
