@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "client/cli/sample/character.h"
-#include "client/cli/sample/surfaces.h"
-#include "client/cli/sample/grid.h"
 #include "client/cli/sample/field.h"
+#include "client/cli/sample/grid.h"
+#include "client/cli/sample/surfaces.h"
 #include "core/drawing/mesh_lines.h"
 #include "core/files/obj.h"
 

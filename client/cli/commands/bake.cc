@@ -12,6 +12,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/stage.h"
 #include "client/cli/report.h"
+#include "core/base/try.h"
 #include "core/files/shapes.h"
 
 namespace arap::cli {
@@ -73,12 +74,11 @@ Status BakeSegment(const Stage& stage, const TrackSegment& segment,
 }
 
 Status Bake(const StageOptions& options) {
-  const Result<Stage> stage = Stage::Open(options);
-  if (!stage) return Fail(stage.error());
-  const PlanarMesh& mesh = stage->mesh();
-  const Track& track = stage->track();
+  TRY(const Stage stage, Stage::Open(options));
+  const PlanarMesh& mesh = stage.mesh();
+  const Track& track = stage.track();
   ShapesFile shapes(options.out, mesh.vertices.size());
-  FilmMaker film(options, *stage);
+  FilmMaker film(options, stage);
   Totals totals;
   std::vector<EditTimes> edits;
   client::DeformOptions deform = options.deform;
@@ -87,21 +87,19 @@ Status Bake(const StageOptions& options) {
     Progress progress("frame", track.frames.size());
     for (const TrackSegment& segment : SegmentsOf(track)) {
       if (segment.edit != nullptr) {
-        const Result<EditTimes> edited = Edit(*stage, *segment.edit, options.hard);
-        if (!edited) return Fail(edited.error());
-        edits.push_back(*edited);
+        TRY(const EditTimes edited, Edit(stage, *segment.edit, options.hard));
+        edits.push_back(edited);
       }
-      const Status baked =
-          BakeSegment(*stage, segment, deform, [&](std::size_t frame, const client::Shape& shape) {
+      CHECK_OK(
+          BakeSegment(stage, segment, deform, [&](std::size_t frame, const client::Shape& shape) {
             shapes.Write(frame, ToPoints(shape.positions));
             film.Add(frame, shape);
             totals.Add(shape);
             progress.Step();
-          });
-      if (!baked) return baked;
+          }));
     }
   }
-  if (Status closed = shapes.Close(); !closed) return closed;
+  CHECK_OK(shapes.Close());
   const double mean_solve =
       totals.frames > 0 ? totals.solve_micros / static_cast<double>(totals.frames) : 0;
   const std::string caption = fmt::format(
@@ -111,7 +109,7 @@ Status Bake(const StageOptions& options) {
       totals.frames, mesh.vertices.size(), mesh.triangles.size(), track.handles.size(), mean_solve,
       totals.frames_with_flips, totals.max_stretch);
   fmt::print("{}\nregistered in {:.1f} ms, compiled in {:.1f} ms, worst handle error {:.3g}\n",
-             caption, stage->register_micros() / 1000, stage->compile_micros() / 1000,
+             caption, stage.register_micros() / 1000, stage.compile_micros() / 1000,
              totals.worst_handle_error);
   for (const EditTimes& edit : edits) fmt::print("{}\n", Describe(edit));
   return film.Write(caption);

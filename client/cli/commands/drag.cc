@@ -16,6 +16,7 @@
 #include "client/cli/commands/drag_loop.h"
 #include "client/cli/commands/stage.h"
 #include "client/cli/report.h"
+#include "core/base/try.h"
 #include "core/files/shapes.h"
 #include "core/files/text_file.h"
 
@@ -102,52 +103,44 @@ std::string JsonReport(const DragTimes& times, std::span<const double> points) {
 }
 
 Status Drag(const DragOptions& options) {
-  const Result<Stage> stage = Stage::Open(options.stage);
-  if (!stage) return Fail(stage.error());
+  TRY(const Stage stage, Stage::Open(options.stage));
   std::vector<double> points;
   for (const PickPoint& pick : options.picks) points.insert(points.end(), {pick.x, pick.y});
-  const DragScript script(stage->track(), options.stage.hard, points);
+  const DragScript script(stage.track(), options.stage.hard, points);
   if (!points.empty() && script.frame_count() == 0) {
-    return Fail(FaultKind::kInvalidOption, "--pick asks for the last frame; the track has none");
+    return Fail(FaultKind::kInvalidOption, "--pick asks for the last frame; the track has none.");
   }
   std::optional<ShapesFile> shapes;
   if (!options.stage.out.empty()) {
-    shapes.emplace(options.stage.out, stage->mesh().vertices.size());
+    shapes.emplace(options.stage.out, stage.mesh().vertices.size());
   }
-  FilmMaker film(options.stage, *stage);
+  FilmMaker film(options.stage, stage);
   client::DeformOptions deform = options.stage.deform;
   deform.float64 = shapes.has_value();
-  Result<client::DeformStream> stream =
-      stage->session().OpenStream(kHandleSet, options.delivery, deform);
-  if (!stream) return Fail(stream.error());
+  TRY(client::DeformStream stream,
+      stage.session().OpenStream(kHandleSet, options.delivery, deform));
 
   const OnShape on_shape = [&](std::size_t frame, const client::Shape& shape) {
     if (shapes) shapes->Write(frame, ToPoints(shape.positions));
     film.Add(frame, shape);
   };
   const bool every = options.delivery == client::Delivery::kEvery;
-  const Result<DragTimes> times = every ? DragEvery(*stream, script, on_shape)
-                                        : DragLatest(*stream, script, options.rate, on_shape);
-  if (!times) return Fail(times.error());
+  TRY(const DragTimes times, every ? DragEvery(stream, script, on_shape)
+                                   : DragLatest(stream, script, options.rate, on_shape));
 
-  const Percentiles round_trip = PercentilesOf(times->round_trip_micros);
+  const Percentiles round_trip = PercentilesOf(times.round_trip_micros);
   const std::string caption = fmt::format(
       "{}: {} updates, {} answers, {} replaced; round trip p50 {:.0f} µs, p99 {:.0f} µs; {} frames "
       "with flips",
-      every ? "every" : "latest", times->sent, times->answered, times->replaced, round_trip.p50,
-      round_trip.p99, times->frames_with_flips);
+      every ? "every" : "latest", times.sent, times.answered, times.replaced, round_trip.p50,
+      round_trip.p99, times.frames_with_flips);
   fmt::print("{}\nsolve p50 {:.0f} µs, worst handle error {:.3g}, most flips in a frame {}\n",
-             caption, PercentilesOf(times->solve_micros).p50, times->worst_handle_error,
-             times->most_flips);
-  for (const EditTimes& edit : times->edits) fmt::print("{}\n", Describe(edit));
-  fmt::print("{}", PickLines(points, times->picks));
-  if (shapes) {
-    if (Status closed = shapes->Close(); !closed) return closed;
-  }
-  if (!options.json.empty()) {
-    if (Status written = WriteTextFile(options.json, JsonReport(*times, points)); !written)
-      return written;
-  }
+             caption, PercentilesOf(times.solve_micros).p50, times.worst_handle_error,
+             times.most_flips);
+  for (const EditTimes& edit : times.edits) fmt::print("{}\n", Describe(edit));
+  fmt::print("{}", PickLines(points, times.picks));
+  if (shapes) CHECK_OK(shapes->Close());
+  if (!options.json.empty()) CHECK_OK(WriteTextFile(options.json, JsonReport(times, points)));
   return film.Write(caption);
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/adapt.h"
+#include "core/base/try.h"
 
 namespace arap::cli {
 namespace {
@@ -29,22 +30,21 @@ struct Answer {
 };
 
 auto NotAsked() {
-  return Fail(FaultKind::kInternal, "the server answered something that was not asked");
+  return Fail(FaultKind::kInternal, "The server answered something that was not asked.");
 }
 
 // The next answer; empty at the end of the stream. Anything else is a fault.
 Result<std::optional<Answer>> ReadAnswer(client::DeformStream& stream, const DragScript& script) {
-  Result<std::optional<client::StreamEvent>> event = stream.Read();
-  if (!event) return Fail(event.error());
-  if (!*event) return std::optional<Answer>();
-  if (auto* error = std::get_if<client::UpdateError>(&**event)) {
+  TRY(std::optional<client::StreamEvent> event, stream.Read());
+  if (!event) return std::optional<Answer>();
+  if (auto* error = std::get_if<client::UpdateError>(&*event)) {
     if (const auto cue = script.CueOf(error->sequence)) {
       error->fault.message = fmt::format("{} {}: {}", cue->edit ? "edit before frame" : "frame",
                                          cue->frame, error->fault.message);
     }
     return Fail(error->fault);
   }
-  auto* shape = std::get_if<client::Shape>(&**event);
+  auto* shape = std::get_if<client::Shape>(&*event);
   if (shape == nullptr) return NotAsked();
   const std::optional<DragCue> cue = script.CueOf(shape->sequence);
   const bool last = cue && !cue->edit && cue->frame + 1 == script.frame_count();
@@ -128,18 +128,15 @@ Result<DragTimes> DragEvery(client::DeformStream& stream, const DragScript& scri
   const auto ask = [&](std::size_t frame, auto send) -> Status {
     const Clock::time_point sent = Clock::now();
     (void)(script.*send)(stream, frame);
-    Result<std::optional<Answer>> answer = ReadAnswer(stream, script);
-    if (!answer) return Fail(answer.error());
-    if (!*answer) return Fail(FaultKind::kInternal, "the server ended the stream early");
-    Count(**answer, MicrosSince(sent), script, on_shape, times);
+    TRY(std::optional<Answer> answer, ReadAnswer(stream, script));
+    if (!answer) return Fail(FaultKind::kInternal, "The server ended the stream early.");
+    Count(*answer, MicrosSince(sent), script, on_shape, times);
     return {};
   };
   for (std::size_t i = 0; i < script.frame_count(); ++i) {
-    if (script.EditAt(i) != nullptr) {
-      if (Status edited = ask(i, &DragScript::SendEdit); !edited) return Fail(edited.error());
-    }
+    if (script.EditAt(i) != nullptr) CHECK_OK(ask(i, &DragScript::SendEdit));
     ++times.sent;
-    if (Status updated = ask(i, &DragScript::SendUpdate); !updated) return Fail(updated.error());
+    CHECK_OK(ask(i, &DragScript::SendUpdate));
   }
   return times;
 }

@@ -13,6 +13,7 @@
 #include "client/cli/report.h"
 #include "client/cli/sample/character.h"
 #include "client/cli/sample/surfaces.h"
+#include "core/base/try.h"
 #include "core/drawing/comparison.h"
 #include "core/drawing/film.h"
 #include "core/files/text_file.h"
@@ -47,17 +48,15 @@ class Puppet {
   // swung up: spread 1 keeps the distances about as they are.
   Status AddPose(client::Basis basis, client::DeformMode mode, double spread, std::string label) {
     const std::string id = fmt::format("figure-{}", poses_++);
-    auto mesh =
-        session_.RegisterMesh(ToClient(mesh_), {basis, client::EdgeWeights::kUniform, {}}, id);
-    if (!mesh) return Fail(mesh.error());
-    auto set = session_.CompileHandles(id, id, ToClient(ToHandles(track_, /*hard=*/false)));
-    if (!set) return Fail(set.error());
+    const client::EnergyOptions energy{basis, client::EdgeWeights::kUniform, {}};
+    TRY([[maybe_unused]] const auto mesh, session_.RegisterMesh(ToClient(mesh_), energy, id));
+    TRY([[maybe_unused]] const auto set,
+        session_.CompileHandles(id, id, ToClient(ToHandles(track_, /*hard=*/false))));
     const std::vector<client::HandleTarget> targets = Pose(spread);
-    auto shape = session_.Deform(id, targets, {mode, 0, true, false});
-    if (!shape) return Fail(shape.error());
+    TRY(const client::Shape shape, session_.Deform(id, targets, {mode, 0, true, false}));
     std::vector<Complex> handles;
     for (const client::HandleTarget& t : targets) handles.emplace_back(t.x, t.y);
-    AddPanel(ToPoints(shape->positions), std::move(handles), std::move(label));
+    AddPanel(ToPoints(shape.positions), std::move(handles), std::move(label));
     return {};
   }
 
@@ -98,49 +97,46 @@ class Puppet {
 };
 
 Status DrawDeformations(const client::Client& client, const std::string& folder) {
-  auto session = client.CreateSession();
-  if (!session) return Fail(session.error());
-  Puppet puppet(*session);
+  TRY(const client::Session session, client.CreateSession());
+  Puppet puppet(session);
   using client::Basis;
   using client::DeformMode;
 
   puppet.AddRest("handles");
   for (const auto& [mode, label] : {std::pair{DeformMode::kSimilarity, "first step"},
                                     std::pair{DeformMode::kRigid, "second step"}}) {
-    if (auto ok = puppet.AddPose(Basis::kEdgeAsPublished, mode, 1.35, label); !ok) return ok;
+    CHECK_OK(puppet.AddPose(Basis::kEdgeAsPublished, mode, 1.35, label));
   }
   const Film second = puppet.Take(
       "The first step is free to scale; the second adjusts the scale (edges as published)");
   for (const auto& [basis, label] :
        {std::pair{Basis::kVertex, "vertex"}, std::pair{Basis::kFace, "face"},
         std::pair{Basis::kEdge, "edge"}}) {
-    if (auto ok = puppet.AddPose(basis, DeformMode::kRigid, 1.15, label); !ok) return ok;
+    CHECK_OK(puppet.AddPose(basis, DeformMode::kRigid, 1.15, label));
   }
   const Film third = puppet.Take("One pose in the three representations");
-  if (auto ok = session->Delete(); !ok) return ok;
-  if (auto ok = WriteTextFile(folder + "/figure2.svg", FormatSheet(second, 3)); !ok) return ok;
+  CHECK_OK(session.Delete());
+  CHECK_OK(WriteTextFile(folder + "/figure2.svg", FormatSheet(second, 3)));
   return WriteTextFile(folder + "/figure3.svg", FormatSheet(third, 3));
 }
 
 Status DrawFlattenings(const client::Client& client, const std::string& folder) {
   const SurfaceMesh face = MakeFace(kFaceEdge);
   const client::SurfaceMesh sent = ToClient(face);
-  const auto panels =
+  TRY(const auto panels,
       CompareMethods({}, [&](const client::FlattenOptions& options, const std::string& what) {
         return FlattenWaiting(client, sent, options, std::nullopt, what);
-      });
-  if (!panels) return Fail(panels.error());
+      }));
   return WriteTextFile(
       folder + "/figure6.svg",
-      FormatComparison(face, *panels,
+      FormatComparison(face, panels,
                        "A face laid flat; the squares have one size on every layout"));
 }
 
 Status Draw(const FiguresOptions& options) {
-  const Result<Connection> connection = Connection::Open(options.server);
-  if (!connection) return Fail(connection.error());
-  if (auto ok = DrawDeformations(connection->client(), options.out); !ok) return ok;
-  return DrawFlattenings(connection->client(), options.out);
+  TRY(const Connection connection, Connection::Open(options.server));
+  CHECK_OK(DrawDeformations(connection.client(), options.out));
+  return DrawFlattenings(connection.client(), options.out);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "client/cli/commands/flatten_flags.h"
 #include "client/cli/commands/flatten_report.h"
 #include "client/cli/report.h"
+#include "core/base/try.h"
 #include "core/drawing/comparison.h"
 #include "core/drawing/dxf.h"
 #include "core/drawing/pattern.h"
@@ -33,8 +34,7 @@ Status WriteLayout(const FlattenFlags& flags, const client::FlattenOptions& opti
   const std::vector<std::string> summary = Summary(mesh, flat);
   for (const std::string& line : summary) fmt::print("{}\n", line);
   if (!flags.out.empty()) {
-    if (auto ok = WriteTextFile(flags.out, FormatObj(surface, layout.uv, layout.corner_uv)); !ok)
-      return ok;
+    CHECK_OK(WriteTextFile(flags.out, FormatObj(surface, layout.uv, layout.corner_uv)));
   }
   if (!flags.svg.empty() || !flags.dxf.empty()) {
     std::vector<GrainLine> grain;
@@ -42,8 +42,8 @@ Status WriteLayout(const FlattenFlags& flags, const client::FlattenOptions& opti
     const Pattern pattern =
         MakePattern(layout, {flags.millimetres_per_unit, flags.allowance, grain});
     const PatternSheet sheet{!flags.plain, flags.interior, summary};
-    if (auto ok = WriteWanted(flags.svg, FormatPattern(pattern, sheet)); !ok) return ok;
-    if (auto ok = WriteWanted(flags.dxf, FormatDxf(pattern)); !ok) return ok;
+    CHECK_OK(WriteWanted(flags.svg, FormatPattern(pattern, sheet)));
+    CHECK_OK(WriteWanted(flags.dxf, FormatDxf(pattern)));
   }
   return WriteWanted(flags.report, JsonReport(mesh, flat, flags.sigma));
 }
@@ -53,35 +53,30 @@ Status Compare(const FlattenFlags& flags, const client::FlattenOptions& options,
   const FlattenCall flatten = [&](const client::FlattenOptions& one, const std::string& what) {
     return FlattenWaiting(client, mesh, one, flags.timeout(), what);
   };
-  const Result<std::vector<ComparisonPanel>> panels = CompareMethods(options, flatten);
-  if (!panels) return Fail(panels.error());
-  fmt::print("{}", FormatTable(*panels));
+  TRY(const std::vector<ComparisonPanel> panels, CompareMethods(options, flatten));
+  fmt::print("{}", FormatTable(panels));
   const std::string caption =
       fmt::format("{} vertices, {} triangles; the squares have one size on every layout",
                   mesh.vertex_count(), mesh.triangle_count());
-  return WriteTextFile(flags.compare, FormatComparison(ToModel(mesh), *panels, caption));
+  return WriteTextFile(flags.compare, FormatComparison(ToModel(mesh), panels, caption));
 }
 
 Status Flatten(const FlattenFlags& flags) {
-  const Result<client::SurfaceMesh> mesh =
-      ReadSurfaceMesh(flags.surface).map([](const auto& read) { return ToClient(read); });
-  if (!mesh) return Fail(mesh.error());
-  const Result<client::FlattenOptions> options =
-      ReadOptions(flags, mesh->vertex_count(), mesh->triangle_count());
-  if (!options) return Fail(options.error());
-  const Result<Connection> connection = Connection::Open(flags.server);
-  if (!connection) return Fail(connection.error());
+  TRY(const SurfaceMesh surface, ReadSurfaceMesh(flags.surface));
+  const client::SurfaceMesh mesh = ToClient(surface);
+  TRY(const client::FlattenOptions options,
+      ReadOptions(flags, mesh.vertex_count(), mesh.triangle_count()));
+  TRY(const Connection connection, Connection::Open(flags.server));
 
   const bool layout =
       !(flags.out.empty() && flags.svg.empty() && flags.dxf.empty() && flags.report.empty());
   if (layout) {
-    const Result<client::FlatSurface> flat =
-        FlattenWaiting(connection->client(), *mesh, *options, flags.timeout(), "flattening");
-    if (!flat) return Fail(flat.error());
-    PrintWarnings(flat->warnings);
-    if (Status written = WriteLayout(flags, *options, *mesh, *flat); !written) return written;
+    TRY(const client::FlatSurface flat,
+        FlattenWaiting(connection.client(), mesh, options, flags.timeout(), "flattening"));
+    PrintWarnings(flat.warnings);
+    CHECK_OK(WriteLayout(flags, options, mesh, flat));
   }
-  return flags.compare.empty() ? Status() : Compare(flags, *options, *mesh, connection->client());
+  return flags.compare.empty() ? Status() : Compare(flags, options, mesh, connection.client());
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "client/cli/adapt.h"
 #include "client/cli/commands/option_names.h"
 #include "client/cli/report.h"
+#include "core/base/try.h"
 #include "core/files/mesh_file.h"
 #include "core/files/text_file.h"
 
@@ -51,15 +52,11 @@ Stage::Stage(Connection connection, client::Session session, PlanarMesh mesh, Tr
 Stage::~Stage() = default;
 
 Result<Stage> Stage::Open(const StageOptions& options) {
-  Result<PlanarMesh> mesh = ReadPlanarMesh(options.mesh);
-  if (!mesh) return Fail(mesh.error());
-  Result<Track> track = ReadTrack(options.track);
-  if (!track) return Fail(track.error());
-  Result<Connection> connection = Connection::Open(options.server);
-  if (!connection) return Fail(connection.error());
-  Result<client::Session> session = connection->client().CreateSession();
-  if (!session) return Fail(session.error());
-  Stage stage(*std::move(connection), *std::move(session), *std::move(mesh), *std::move(track));
+  TRY(PlanarMesh mesh, ReadPlanarMesh(options.mesh));
+  TRY(Track track, ReadTrack(options.track));
+  TRY(Connection connection, Connection::Open(options.server));
+  TRY(client::Session session, connection.client().CreateSession());
+  Stage stage(std::move(connection), std::move(session), std::move(mesh), std::move(track));
 
   client::EnergyOptions energy = options.energy;
   if (options.as_published) {
@@ -67,15 +64,14 @@ Result<Stage> Stage::Open(const StageOptions& options) {
     energy.weights = client::EdgeWeights::kUniform;
   }
   energy.rigidity = stage.track_.rigidity;
-  const auto registered = stage.session().RegisterMesh(ToClient(stage.mesh_), energy);
-  if (!registered) return Fail(registered.error());
-  PrintWarnings(registered->mesh.warnings);
-  const auto compiled = stage.session().CompileHandles(
-      kHandleSet, registered->mesh.id, ToClient(ToHandles(stage.track_, options.hard)));
-  if (!compiled) return Fail(compiled.error());
-  PrintWarnings(compiled->handle_set.warnings);
-  stage.register_micros_ = registered->solve_micros;
-  stage.compile_micros_ = compiled->solve_micros;
+  TRY(const auto registered, stage.session().RegisterMesh(ToClient(stage.mesh_), energy));
+  PrintWarnings(registered.mesh.warnings);
+  TRY(const auto compiled,
+      stage.session().CompileHandles(kHandleSet, registered.mesh.id,
+                                     ToClient(ToHandles(stage.track_, options.hard))));
+  PrintWarnings(compiled.handle_set.warnings);
+  stage.register_micros_ = registered.solve_micros;
+  stage.compile_micros_ = compiled.solve_micros;
   return stage;
 }
 
@@ -110,9 +106,7 @@ Status FilmMaker::Write(const std::string& caption) {
   constexpr std::size_t kSheetFrames = 8;
   if (film_.frame_count() == 0) return {};
   film_.caption = caption;
-  if (!svg_.empty()) {
-    if (Status written = WriteTextFile(svg_, FormatAnimation(film_)); !written) return written;
-  }
+  if (!svg_.empty()) CHECK_OK(WriteTextFile(svg_, FormatAnimation(film_)));
   if (!frames_svg_.empty()) return WriteTextFile(frames_svg_, FormatSheet(film_, kSheetFrames));
   return {};
 }

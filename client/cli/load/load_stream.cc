@@ -9,7 +9,10 @@
 
 #include <fmt/format.h>
 
+#include "client/cli/adapt.h"
 #include "client/cli/report.h"
+#include "client/cli/sample/grid.h"
+#include "core/base/try.h"
 
 namespace arap::cli {
 namespace {
@@ -75,10 +78,9 @@ const client::Shape* CheckReply(const Result<std::optional<client::StreamEvent>>
 
 Result<client::DeformStream> OpenStream(const client::Session& session, const LoadPlan& plan,
                                         const client::CallOptions& call, LoadSamples& samples) {
-  const auto mesh = session.RegisterMesh(plan.mesh, {}, {}, call);
-  if (!mesh) return Fail(mesh.error());
-  const auto set = session.CompileHandles(kLoadSet, mesh->mesh.id, plan.handles, call);
-  if (!set) return Fail(set.error());
+  TRY(const auto registered, session.RegisterMesh(plan.mesh, {}, {}, call));
+  TRY([[maybe_unused]] const auto set,
+      session.CompileHandles(kLoadSet, registered.mesh.id, plan.handles, call));
   const Clock::time_point asked = Clock::now();
   auto stream = session.OpenStream(kLoadSet, plan.delivery, plan.deform, call);
   const std::chrono::duration<double, std::micro> took = Clock::now() - asked;
@@ -118,6 +120,32 @@ void Drive(client::DeformStream& stream, const LoadPlan& plan, std::size_t index
 }
 
 }  // namespace
+
+LoadPlan MakeLoadPlan(std::size_t vertices, std::size_t handles,
+                      std::chrono::duration<double> length) {
+  LoadPlan plan;
+  plan.length = length;
+  const auto side = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(vertices))));
+  const std::size_t columns = std::max<std::size_t>(side, 2);
+  const std::size_t rows = std::max<std::size_t>(vertices / columns, 2);
+  plan.mesh = ToClient(MakeGrid(columns, rows));
+  const double width = static_cast<double>(columns - 1);
+  const double height = static_cast<double>(rows - 1);
+  plan.reach = 0.1 * std::min(width, height);
+  for (std::size_t k = 0; k < handles; ++k) {
+    // On a sunflower's spiral: evenly spread for any number of them.
+    const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
+    const double radius =
+        0.45 * std::sqrt((static_cast<double>(k) + 0.5) / static_cast<double>(handles));
+    const double x = width * (0.5 + radius * std::cos(golden * static_cast<double>(k)));
+    const double y = height * (0.5 + radius * std::sin(golden * static_cast<double>(k)));
+    client::Handle& handle = plan.handles.emplace_back();
+    handle.id = fmt::format("h{}", k);
+    handle.anchor = client::PointAnchor{x, y};
+    plan.rests.insert(plan.rests.end(), {x, y});
+  }
+  return plan;
+}
 
 LoadSamples RunLoadStream(const client::Client& client, const LoadPlan& plan, std::size_t index,
                           std::latch& start) {

@@ -1,4 +1,4 @@
-// One stream of the load generator.
+// The load generator: what every stream does, and one such stream.
 #pragma once
 
 #include <chrono>

@@ -38,7 +38,7 @@ Point3 Surface(double u, double v) {
 
 constexpr double kWidth = 6.5, kHeight = 9, kDepth = 6.5;  // half axes of the head
 constexpr double kOpening = 88 * std::numbers::pi / 180;   // from the nose to the rim
-constexpr double kRadius = 10;                             // of the disk that is bent over it
+constexpr double kDiskRadius = 10;                         // of the disk that is bent over it
 
 // 1 at the middle, falling off over `width` and `height`.
 double Bump(Point p, Point middle, double width, double height) {
@@ -97,11 +97,11 @@ SurfaceMesh MakeGarment(double edge) {
 
 SurfaceMesh MakeFace(double edge) {
   const PlanarMesh disk =
-      MeshField([](Point p) { return Disk(p, 0, kRadius); }, {kRadius, 0}, edge);
+      MeshField([](Point p) { return Disk(p, 0, kDiskRadius); }, {kDiskRadius, 0}, edge);
   SurfaceMesh mesh;
   mesh.triangles = disk.triangles;
   for (const Point p : disk.vertices) {
-    const double angle = std::abs(p) / kRadius * kOpening;
+    const double angle = std::abs(p) / kDiskRadius * kOpening;
     const Point toward = std::abs(p) > 0 ? p / std::abs(p) : 0;
     const Point front(kWidth * std::sin(angle) * toward.real(),
                       kHeight * std::sin(angle) * toward.imag());
