@@ -10,8 +10,6 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "client/cli/commands/commands.h"
-
 namespace arap::cli {
 
 std::string ReasonOf(const Fault& fault) { return std::string(InfoOf(fault.kind).reason); }
@@ -40,6 +38,8 @@ int Complain(const Fault& fault) {
   }
   return kFailed;
 }
+
+int ExitCode(const Status& done) { return done ? kOk : Complain(done.error()); }
 
 void PrintWarnings(const std::vector<client::Warning>& warnings) {
   for (const client::Warning& warning : warnings) {

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "arap/base/fault.h"
+#include "arap/base/result.h"
 #include "arap/client/mesh.h"
 
 namespace arap::cli {
@@ -19,8 +19,15 @@ std::string Describe(const Fault& fault);
 // "DEGENERATE_TRIANGLE".
 std::string ReasonOf(const Fault& fault);
 
+// Exit codes.
+inline constexpr int kOk = 0;
+inline constexpr int kFailed = 1;  // the server or the work failed; standard error says how
+inline constexpr int kUsage = 2;   // the command line is wrong
+
 // Prints the fault on standard error. Answers kFailed.
 int Complain(const Fault& fault);
+// kOk, or Complain.
+int ExitCode(const Status& done);
 // Prints what the server repaired or ignored on standard error.
 void PrintWarnings(const std::vector<client::Warning>& warnings);
 

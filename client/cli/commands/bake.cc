@@ -122,12 +122,7 @@ void AddBake(CLI::App& app, Run& run) {
   CLI::App* const command =
       app.add_subcommand("bake", "Deform a mesh by every frame of a track and write the shapes");
   AddStageOptions(*command, *options, /*out_required=*/true);
-  command->callback([options, &run] {
-    run = [options] {
-      const Status baked = Bake(*options);
-      return baked ? kOk : Complain(baked.error());
-    };
-  });
+  SetAction(*command, run, options, &Bake);
 }
 
 }  // namespace arap::cli

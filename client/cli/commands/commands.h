@@ -3,16 +3,23 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 
 #include <CLI/CLI.hpp>
 
+#include "client/cli/report.h"
+
 namespace arap::cli {
 
-inline constexpr int kOk = 0;
-inline constexpr int kFailed = 1;  // the server or the work failed; standard error says how
-inline constexpr int kUsage = 2;   // the command line is wrong
-
 using Run = std::function<int()>;
+
+// When `command` is chosen, `run` does `action` with the options as they were parsed.
+template <class Options>
+void SetAction(CLI::App& command, Run& run, std::shared_ptr<Options> options,
+               Status (*action)(const Options&)) {
+  command.callback(
+      [&run, options, action] { run = [options, action] { return ExitCode(action(*options)); }; });
+}
 
 void AddInfo(CLI::App& app, Run& run);
 void AddBake(CLI::App& app, Run& run);

@@ -172,12 +172,7 @@ void AddDrag(CLI::App& app, Run& run) {
       ->option_text("X,Y");
   command->add_option("--json", options->json, "write the times, edits and picks")
       ->option_text("FILE.json");
-  command->callback([options, &run] {
-    run = [options] {
-      const Status dragged = Drag(*options);
-      return dragged ? kOk : Complain(dragged.error());
-    };
-  });
+  SetAction(*command, run, options, &Drag);
 }
 
 }  // namespace arap::cli

@@ -149,12 +149,7 @@ void AddFigures(CLI::App& app, Run& run) {
   AddServerFlags(*command, options->server);
   command->add_option("--out", options->out,
                       "the folder for figure2.svg, figure3.svg and figure6.svg");
-  command->callback([options, &run] {
-    run = [options] {
-      const Status drawn = Draw(*options);
-      return drawn ? kOk : Complain(drawn.error());
-    };
-  });
+  SetAction(*command, run, options, &Draw);
 }
 
 }  // namespace arap::cli

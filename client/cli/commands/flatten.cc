@@ -85,12 +85,7 @@ void AddFlatten(CLI::App& app, Run& run) {
   auto flags = std::make_shared<FlattenFlags>();
   CLI::App* const command = app.add_subcommand("flatten", "Lay a surface flat, true to size");
   AddFlattenFlags(*command, *flags);
-  command->callback([flags, &run] {
-    run = [flags] {
-      const Status flattened = Flatten(*flags);
-      return flattened ? kOk : Complain(flattened.error());
-    };
-  });
+  SetAction(*command, run, flags, &Flatten);
 }
 
 }  // namespace arap::cli

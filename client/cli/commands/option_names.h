@@ -11,8 +11,8 @@
 
 namespace arap::cli {
 
-// An option whose values have names. Its help lists the names alone, not the numbers that they stand
-// for.
+// An option whose values have names. Its help lists the names alone, not the numbers that they
+// stand for.
 template <class Value>
 CLI::Option* AddChoice(CLI::App& command, const std::string& flag, Value& value,
                        const std::map<std::string, Value>& names, const std::string& help) {

@@ -11,6 +11,7 @@
 #include "client/cli/sample/character.h"
 #include "client/cli/sample/grid.h"
 #include "client/cli/sample/surfaces.h"
+#include "core/base/try.h"
 #include "core/files/obj.h"
 #include "core/files/text_file.h"
 
@@ -25,7 +26,7 @@ struct SampleOptions {
 };
 
 Status Write(const SampleOptions& options, const std::string& obj, std::optional<Track> track) {
-  if (Status written = WriteTextFile(options.out, obj); !written) return written;
+  CHECK_OK(WriteTextFile(options.out, obj));
   if (!track || options.track.empty()) return {};
   track->mesh = std::filesystem::path(options.out).filename().string();
   track->row_weight = 1000;
@@ -61,12 +62,7 @@ std::pair<CLI::App*, std::shared_ptr<SampleOptions>> AddOne(CLI::App& sample, Ru
   command->add_option("--out", options->out, "write the mesh")
       ->required()
       ->option_text("FILE.obj REQUIRED");
-  command->callback([options, make, &run] {
-    run = [options, make] {
-      const Status made = make(*options);
-      return made ? kOk : Complain(made.error());
-    };
-  });
+  SetAction(*command, run, options, make);
   return {command, options};
 }
 

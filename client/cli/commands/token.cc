@@ -142,12 +142,7 @@ CLI::App* AddAction(CLI::App& token, const char* name, const char* help,
                     Status (*action)(const TokenFlags&)) {
   CLI::App* const command = token.add_subcommand(name, help);
   command->add_option("--file", flags->file, "the server's token file")->required();
-  command->callback([flags, &run, action] {
-    run = [flags, action] {
-      const Status done = action(*flags);
-      return done ? kOk : Complain(done.error());
-    };
-  });
+  SetAction(*command, run, flags, action);
   return command;
 }
 
