@@ -104,8 +104,7 @@ Status Bake(const StageOptions& options) {
       totals.frames > 0 ? totals.solve_micros / static_cast<double>(totals.frames) : 0;
   const std::string caption = fmt::format(
       "{} frames, {} vertices, {} triangles, {} handles; {:.0f} µs per frame; {} frames with "
-      "flips; "
-      "largest stretch {:.3g}",
+      "flips; largest stretch {:.3g}",
       totals.frames, mesh.vertices.size(), mesh.triangles.size(), track.handles.size(), mean_solve,
       totals.frames_with_flips, totals.max_stretch);
   fmt::print("{}\nregistered in {:.1f} ms, compiled in {:.1f} ms, worst handle error {:.3g}\n",
