@@ -89,7 +89,7 @@ constexpr std::size_t kBlock = 8;
 constexpr double kSettled = 1e-10;
 constexpr int kMaxCorrections = 4;
 
-// [algorithm §4] with the pins as rows; repeated on what is left until it settles.
+// [algorithm §2] with the pins as rows; repeated on what is left until it settles.
 class PinnedSolve {
  public:
   PinnedSolve(const GroundedSystem<Complex>& system, const std::array<std::uint32_t, 2>& ground,

@@ -43,7 +43,7 @@ Result<std::vector<Complex>> SpectralFirstStep(const GroundedSystem<Complex>& sy
                                                double accuracy, const CancelToken& cancel);
 
 // The first step with pins on the factor of two other vertices: the null-space form
-// [algorithm §4], for surfaces.
+// [algorithm §2], for surfaces.
 //
 // With G the solve that grounds two vertices, the shape of least energy for given pins is
 //

@@ -20,7 +20,7 @@ Result<GroundedSystem<double>> RigidSystem(const Cells& cells, const Held& held,
                                            std::uint32_t still, std::size_t vertices, Order order);
 
 // The best positions for given rotations, with vertices held. Two ways lead to the same: the held
-// vertices factored in, or the null-space form [algorithm §4] on a factor that holds one vertex and
+// vertices factored in, or the null-space form [algorithm §2] on a factor that holds one vertex and
 // serves whatever is pinned. Immutable; thread-safe with a Workspace per thread. Points are x…,
 // then y…: 2·#V numbers.
 class RigidSolver {
