@@ -1,6 +1,7 @@
 #include "core/token/token_file.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <set>
 
@@ -81,12 +82,18 @@ Status CheckFields(const Json& object, const Place& place) {
   return {};
 }
 
+bool IsTokenLimit(std::string_view name) {
+  return std::any_of(std::begin(kLimits), std::end(kLimits), [name](const LimitInfo& info) {
+    return !name.empty() && TokenName(info) == name;
+  });
+}
+
 Result<std::map<std::string, std::uint64_t>> ParseLimits(const Json& object, const Place& place) {
   if (!object.is_object()) return Fail(place.Bad("limits", "is not an object"));
   std::map<std::string, std::uint64_t> limits;
   for (const auto& [name, value] : object.items()) {
     const std::string field = "limits." + Shown(name);
-    if (std::find(kTokenLimits.begin(), kTokenLimits.end(), name) == kTokenLimits.end()) {
+    if (!IsTokenLimit(name)) {
       return Fail(place.Bad(field, "is no limit of an owner"));
     }
     if (!value.is_number_unsigned()) return Fail(place.Bad(field, "is not a whole number"));

@@ -7,10 +7,9 @@
 //    "salt": "…32 digits…",
 //    "sha256": "…64 digits…",               see HashSecret
 //    "expires": "2027-01-31T00:00:00Z",     optional, UTC
-//    "limits": {"max_sessions": 10, …}}     optional: any of kTokenLimits
+//    "limits": {"max_sessions": 10, …}}     optional: those with a TokenName
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <map>
@@ -21,12 +20,9 @@
 #include <vector>
 
 #include "arap/base/result.h"
+#include "arap/model/limits.h"
 
 namespace arap {
-
-// What a token may limit.
-inline constexpr std::array<std::string_view, 5> kTokenLimits{
-    "max_sessions", "max_meshes", "max_handle_sets", "max_bytes", "max_streams"};
 
 struct TokenEntry {
   std::string id;

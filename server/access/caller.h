@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "arap/model/limits.h"
 #include "core/base/names.h"
-#include "server/budget/limits.h"
 
 namespace arap::app {
 

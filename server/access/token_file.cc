@@ -12,16 +12,24 @@
 #include "core/base/try.h"
 #include "core/token/sha256.h"
 #include "core/token/token.h"
-#include "server/access/token_entry.h"
+#include "core/token/token_file.h"
 
 namespace arap::app {
 namespace {
 
 // What an unknown id is compared with.
-const TokenFile::Entry& Nobody() {
-  static const TokenFile::Entry kNoEntry{
-      {}, std::string(kTokenSaltDigits, '0'), std::string(kTokenSecretDigits, '0'), {}};
-  return kNoEntry;
+TokenFile::Entry NoEntry() {
+  return {{}, std::string(kTokenSaltDigits, '0'), std::string(kTokenSecretDigits, '0'), {}};
+}
+
+// The limits of the entry, or else the defaults.
+OwnerLimits LimitsOf(const TokenEntry& entry, OwnerLimits limits) {
+  for (const LimitInfo& info : kLimits) {
+    const auto* const member = std::get_if<std::size_t OwnerLimits::*>(&info.member);
+    const auto stated = entry.limits.find(std::string(TokenName(info)));
+    if (member != nullptr && stated != entry.limits.end()) limits.** member = stated->second;
+  }
+  return limits;
 }
 
 Fault Unreadable(const std::string& path, const std::string& why) {
@@ -39,10 +47,14 @@ std::string_view TokenFile::IdOf(std::string_view token) {
 
 Result<TokenFile> TokenFile::Parse(std::string_view json, const std::string& name,
                                    const OwnerLimits& defaults) {
-  auto entries = ParseTokenEntries(json, name, defaults);
-  if (!entries) return Fail(std::move(entries.error()));
+  TRY(std::vector<TokenEntry> entries, ParseTokenFile(json, name));
   TokenFile file;
-  file.entries_ = *std::move(entries);
+  for (TokenEntry& entry : entries) {
+    const Role role = entry.admin ? Role::kAdmin : Role::kUser;
+    Caller caller{std::move(entry.owner), role, LimitsOf(entry, defaults)};
+    file.entries_.emplace(std::move(entry.id), Entry{std::move(caller), std::move(entry.salt),
+                                                     std::move(entry.sha256), entry.expires});
+  }
   return file;
 }
 
@@ -69,7 +81,7 @@ Result<Caller> TokenFile::Check(std::string_view token, Wall now) const {
   if (!parts) return Fail(FaultKind::kUnauthenticated, "The bearer token is not one of arapd's.");
   const auto found = entries_.find(parts->id);
   const bool known = found != entries_.end();
-  const Entry& entry = known ? found->second : Nobody();
+  const Entry entry = known ? found->second : NoEntry();
   TRY(const std::string digest, HashSecret(entry.salt, parts->secret));
   const bool same = SameDigest(digest, entry.sha256);
   if (!known || !same) {

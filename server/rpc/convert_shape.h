@@ -8,6 +8,7 @@
 #include "arap/base/result.h"
 #include "arap/core/deformer.h"
 #include "arap/model/mesh.h"
+#include "server/budget/limits.h"
 
 namespace google::protobuf {
 template <typename Element>
@@ -17,9 +18,6 @@ namespace arap::v1 {
 class DeformOptions;
 class Shape;
 }  // namespace arap::v1
-namespace arap::app {
-struct Limits;
-}
 
 namespace arap::rpc {
 

@@ -3,7 +3,8 @@
 
 #include <arap/v1/server_service.grpc.pb.h>
 
-#include "server/rpc/convert_session.h"
+#include "proto/convert/limits.h"
+#include "server/engine.h"
 #include "server/rpc/handlers.h"
 #include "server/rpc/services.h"
 #include "server/rpc/unary.h"
@@ -35,35 +36,7 @@ constexpr const char* kCapabilities[] = {"basis.edge",          "basis.edge_as_p
 Status GetServerInfo(app::Engine& engine, const v1::GetServerInfoRequest&, const Call&,
                      v1::GetServerInfoResponse* response) {
   response->set_version(app::Version());
-  const app::Limits& limits = engine.limits;
-  v1::Limits& out = *response->mutable_limits();
-  out.set_max_vertices(limits.max_vertices);
-  out.set_max_triangles(limits.max_triangles);
-  out.set_max_handles(limits.max_handles);
-  out.set_max_sessions(limits.max_sessions);
-  out.set_max_meshes_per_session(limits.max_meshes_per_session);
-  out.set_max_handle_sets_per_session(limits.max_handle_sets_per_session);
-  out.set_max_message_bytes(limits.max_message_bytes);
-  out.set_max_refine(limits.max_refine);
-  SetDuration(limits.max_ttl, out.mutable_max_ttl());
-  out.set_max_streams(limits.max_streams);
-  out.set_max_track_frames(limits.max_track_frames);
-  out.set_max_flatten_triangles(limits.max_flatten_triangles);
-  out.set_max_cached_surfaces(limits.max_cached_surfaces);
-  out.set_max_cached_surface_bytes(limits.max_cached_surface_bytes);
-  out.set_max_sessions_per_owner(limits.owner.max_sessions);
-  out.set_max_meshes_per_owner(limits.owner.max_meshes);
-  out.set_max_handle_sets_per_owner(limits.owner.max_handle_sets);
-  out.set_max_bytes_per_owner(limits.owner.max_bytes);
-  out.set_max_bytes(limits.max_bytes);
-  out.set_max_streams_per_owner(limits.owner.max_streams);
-  out.set_max_registrations(limits.max_registrations);
-  out.set_max_compilations(limits.max_compilations);
-  out.set_max_flattenings(limits.max_flattenings);
-  out.set_max_queued_jobs(engine.lanes.queue);
-  out.set_max_stream_fps(limits.max_stream_fps);
-  SetDuration(limits.max_stream_idle, out.mutable_max_stream_idle());
-  out.set_max_stream_load(limits.max_stream_load);
+  convert::ToWire(engine.limits, response->mutable_limits());
   for (const char* capability : kCapabilities) response->add_capabilities(capability);
   response->set_workers(static_cast<std::uint32_t>(engine.interactive.threads()));
   return {};

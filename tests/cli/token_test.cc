@@ -35,7 +35,7 @@ class TokenCommand : public FolderTest {
   }
   // As the server reads it.
   app::TokenFile Read() const {
-    auto read = app::TokenFile::Read(file(), app::OwnerLimits{});
+    auto read = app::TokenFile::Read(file(), OwnerLimits{});
     EXPECT_TRUE(read) << read.error().message;
     return read.value_or(app::TokenFile());
   }
@@ -54,7 +54,7 @@ TEST_F(TokenCommand, TheServerKnowsTheTokensThatItMakes) {
   ASSERT_TRUE(user);
   EXPECT_EQ(user->owner, "alice");
   EXPECT_EQ(user->role, app::Role::kUser);
-  EXPECT_EQ(user->limits, app::OwnerLimits{});
+  EXPECT_EQ(user->limits, OwnerLimits{});
   const auto admin = Check(tokens, root);
   ASSERT_TRUE(admin);
   EXPECT_EQ(admin->role, app::Role::kAdmin);
@@ -126,7 +126,7 @@ class TokenFlags : public TokenCommand {
     host::HostOptions options;
     address_ = "unix:" + Path("arapd.sock");
     options.listen = {address_};
-    options.access.token_file = file();
+    options.credentials.token_file = file();
     auto host = host::Host::Start(options);
     ASSERT_TRUE(host) << host.error().message;
     host_ = *std::move(host);

@@ -17,38 +17,19 @@ struct InfoOptions {
   bool json = false;
 };
 
-double Seconds(std::chrono::nanoseconds duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 nlohmann::ordered_json LimitsJson(const client::Limits& limits) {
-  return {{"max_vertices", limits.max_vertices},
-          {"max_triangles", limits.max_triangles},
-          {"max_handles", limits.max_handles},
-          {"max_sessions", limits.max_sessions},
-          {"max_meshes_per_session", limits.max_meshes_per_session},
-          {"max_handle_sets_per_session", limits.max_handle_sets_per_session},
-          {"max_message_bytes", limits.max_message_bytes},
-          {"max_refine", limits.max_refine},
-          {"max_ttl_seconds", Seconds(limits.max_ttl)},
-          {"max_streams", limits.max_streams},
-          {"max_track_frames", limits.max_track_frames},
-          {"max_flatten_triangles", limits.max_flatten_triangles},
-          {"max_cached_surfaces", limits.max_cached_surfaces},
-          {"max_cached_surface_bytes", limits.max_cached_surface_bytes},
-          {"max_sessions_per_owner", limits.max_sessions_per_owner},
-          {"max_meshes_per_owner", limits.max_meshes_per_owner},
-          {"max_handle_sets_per_owner", limits.max_handle_sets_per_owner},
-          {"max_bytes_per_owner", limits.max_bytes_per_owner},
-          {"max_streams_per_owner", limits.max_streams_per_owner},
-          {"max_bytes", limits.max_bytes},
-          {"max_registrations", limits.max_registrations},
-          {"max_compilations", limits.max_compilations},
-          {"max_flattenings", limits.max_flattenings},
-          {"max_queued_jobs", limits.max_queued_jobs},
-          {"max_stream_fps", limits.max_stream_fps},
-          {"max_stream_idle_seconds", Seconds(limits.max_stream_idle)},
-          {"max_stream_load", limits.max_stream_load}};
+  nlohmann::ordered_json json;
+  for (const LimitInfo& info : kLimits) {
+    if (!info.served) continue;
+    VisitLimit(limits, info, [&]<class Value>(const Value& value) {
+      if constexpr (std::is_same_v<Value, std::chrono::milliseconds>) {
+        json[PlainName(info)] = std::chrono::duration<double>(value).count();
+      } else {
+        json[PlainName(info)] = value;
+      }
+    });
+  }
+  return json;
 }
 
 int RunInfo(const InfoOptions& options) {

@@ -161,7 +161,9 @@ void AddToken(CLI::App& app, Run& run) {
       ->capture_default_str();
   add->add_option("--expires-days", flags->expires_days, "how long it holds (default: for ever)")
       ->check(CLI::Range(1, 36'500));
-  for (const std::string_view limit : kTokenLimits) {
+  for (const LimitInfo& info : kLimits) {
+    const std::string_view limit = TokenName(info);
+    if (limit.empty()) continue;
     const std::string field(limit);
     std::string flag = "--" + field;
     std::replace(flag.begin(), flag.end(), '_', '-');
