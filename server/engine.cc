@@ -34,9 +34,9 @@ Engine::Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::
       registrations("max_registrations", limits.max_registrations),
       compilations("max_compilations", limits.max_compilations),
       flattenings("max_flattenings", limits.max_flattenings),
-      interactive({"interactive", lanes.workers, lanes.queue, 0, &metrics}),
-      control({"control", lanes.control_workers, lanes.queue, 0, &metrics}),
-      jobs({"jobs", lanes.job_workers, lanes.queue, kJobNiceness, &metrics}),
+      interactive({"interactive", lanes.workers, limits.max_queued_jobs, &metrics}),
+      control({"control", lanes.control_workers, limits.max_queued_jobs, &metrics}),
+      jobs({"jobs", lanes.job_workers, limits.max_queued_jobs, &metrics, &interactive}),
       collected_(clock.SteadyNow()) {
   derived.Listen(
       {[this](DerivedKind kind, bool hit) {

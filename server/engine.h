@@ -23,19 +23,15 @@ namespace arap::app {
 struct Lanes {
   std::size_t workers = 2;          // threads of the interactive lane
   std::size_t job_workers = 1;      // threads of the job lane
-  std::size_t queue = 256;          // waiting jobs of each lane
   std::size_t control_workers = 2;  // threads of the control lane
 };
-
-// Registering a mesh yields the processor to frames.
-inline constexpr int kJobNiceness = 10;
 
 // Thread-safe member by member. Three lanes, so that neither an upload nor a slow disk delays a
 // drag:
 //   interactive  frames and light edits; never waits for the store
 //   control      sessions and look-ups: what may wait for the store but computes nothing
 //   jobs         registration, compilation, edits, flattening, tracks, and what was evicted and has
-//                to be computed again
+//                to be computed again; between their steps they give way to the interactive lane
 struct Engine {
   // `clock` outlives the engine.
   Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::Clock& clock,

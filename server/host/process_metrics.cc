@@ -15,6 +15,8 @@
 namespace arap::host {
 namespace {
 
+namespace metric = runtime::metric;
+using runtime::MetricInfo;
 using Kind = runtime::Metrics::Kind;
 
 double ResidentBytes() {
@@ -60,39 +62,38 @@ double ProcessorSeconds() {
 
 void WatchLane(runtime::Metrics& metrics, const runtime::WorkerPool& pool) {
   const runtime::Metrics::Labels labels{{"lane", pool.name()}};
-  const auto watch = [&](const char* name, const char* help, Kind kind, auto value) {
-    metrics.Watch(name, help, kind, labels, [&pool, value] { return value(pool.stats()); });
+  const auto watch = [&](const MetricInfo& info, Kind kind, auto value) {
+    metrics.Watch(info, kind, labels, [&pool, value] { return value(pool.stats()); });
   };
   using Stats = runtime::PoolStats;
-  watch("arapd_queue_length", "Jobs that wait for a worker.", Kind::kGauge,
+  watch(metric::kQueueLength, Kind::kGauge,
         [](const Stats& stats) { return static_cast<double>(stats.waiting); });
-  watch("arapd_jobs_running", "Jobs that run.", Kind::kGauge,
+  watch(metric::kJobsRunning, Kind::kGauge,
         [](const Stats& stats) { return static_cast<double>(stats.running); });
-  watch("arapd_jobs_total", "Jobs that have ended.", Kind::kCounter,
+  watch(metric::kJobs, Kind::kCounter,
         [](const Stats& stats) { return static_cast<double>(stats.completed); });
-  watch("arapd_busy_seconds_total", "Time that workers spent on jobs, of all threads.",
-        Kind::kCounter, [](const Stats& stats) { return stats.busy.count(); });
-  watch("arapd_oldest_job_seconds", "How long the longest running job runs.", Kind::kGauge,
+  watch(metric::kGaveWay, Kind::kCounter,
+        [](const Stats& stats) { return static_cast<double>(stats.gave_way); });
+  watch(metric::kBusySeconds, Kind::kCounter,
+        [](const Stats& stats) { return stats.busy.count(); });
+  watch(metric::kOldestJobSeconds, Kind::kGauge,
         [](const Stats& stats) { return stats.oldest_running.count(); });
-  metrics.Watch("arapd_workers", "Threads.", Kind::kGauge, labels,
+  metrics.Watch(metric::kWorkers, Kind::kGauge, labels,
                 [&pool] { return static_cast<double>(pool.threads()); });
 }
 
 }  // namespace
 
 void WatchProcess(runtime::Metrics& metrics) {
-  metrics.Watch("arapd_build_info", "Always 1; the version is the label.", Kind::kGauge,
-                {{"version", app::Version()}}, [] { return 1.0; });
-  metrics.Watch("process_resident_memory_bytes", "Memory in use.", Kind::kGauge, {}, ResidentBytes);
-  metrics.Watch("process_open_fds", "Open file descriptors.", Kind::kGauge, {}, OpenDescriptors);
-  metrics.Watch("process_max_fds", "File descriptors that may be open.", Kind::kGauge, {},
-                MaxDescriptors);
-  metrics.Watch("process_threads", "Threads.", Kind::kGauge, {}, Threads);
-  metrics.Watch("process_cpu_seconds_total", "Processor time.", Kind::kCounter, {},
-                ProcessorSeconds);
+  metrics.Watch(metric::kBuildInfo, Kind::kGauge, {{"version", app::Version()}},
+                [] { return 1.0; });
+  metrics.Watch(metric::kResidentBytes, Kind::kGauge, {}, ResidentBytes);
+  metrics.Watch(metric::kOpenDescriptors, Kind::kGauge, {}, OpenDescriptors);
+  metrics.Watch(metric::kMaxDescriptors, Kind::kGauge, {}, MaxDescriptors);
+  metrics.Watch(metric::kThreads, Kind::kGauge, {}, Threads);
+  metrics.Watch(metric::kProcessorSeconds, Kind::kCounter, {}, ProcessorSeconds);
   const auto start = static_cast<double>(std::time(nullptr));
-  metrics.Watch("process_start_time_seconds", "When the server started, in seconds since 1970.",
-                Kind::kGauge, {}, [start] { return start; });
+  metrics.Watch(metric::kStartTime, Kind::kGauge, {}, [start] { return start; });
 }
 
 void WatchEngine(app::Engine& engine) {
@@ -101,23 +102,20 @@ void WatchEngine(app::Engine& engine) {
     WatchLane(metrics, *pool);
   }
   metrics.ServeQuota("queue");
-  metrics.Watch("arapd_open_streams", "Open streams and running tracks.", Kind::kGauge, {},
+  metrics.Watch(metric::kOpenStreams, Kind::kGauge, {},
                 [&engine] { return static_cast<double>(engine.streams.count()); });
-  metrics.Watch("arapd_sessions", "Sessions in memory.", Kind::kGauge, {},
+  metrics.Watch(metric::kSessions, Kind::kGauge, {},
                 [&engine] { return static_cast<double>(engine.sessions.in_memory()); });
   for (const app::DerivedKind kind :
        {app::DerivedKind::kMesh, app::DerivedKind::kHandleSet, app::DerivedKind::kSurface}) {
     metrics.ServeCache(app::NameOf(kind));
     const runtime::Metrics::Labels labels{{"kind", app::NameOf(kind)}};
-    metrics.Watch("arapd_bytes", "Memory of what was computed and is kept, by kind.", Kind::kGauge,
-                  labels,
+    metrics.Watch(metric::kBytes, Kind::kGauge, labels,
                   [&engine, kind] { return static_cast<double>(engine.derived.bytes(kind)); });
-    metrics.Watch("arapd_entries", "How many of them are kept.", Kind::kGauge, labels,
+    metrics.Watch(metric::kEntries, Kind::kGauge, labels,
                   [&engine, kind] { return static_cast<double>(engine.derived.entries(kind)); });
   }
-  metrics.Watch("arapd_accounted_bytes",
-                "Memory that counts towards max_bytes: what is kept, in use or reserved.",
-                Kind::kGauge, {},
+  metrics.Watch(metric::kAccountedBytes, Kind::kGauge, {},
                 [&engine] { return static_cast<double>(engine.derived.bytes()); });
 }
 

@@ -8,6 +8,7 @@
 #include <grpcpp/security/auth_context.h>
 #include <grpcpp/server_context.h>
 
+#include "server/runtime/worker_pool.h"
 #include "server/sessions/names.h"
 
 namespace arap::rpc {
@@ -87,6 +88,7 @@ app::TokenWatch WatchCaller(const grpc::CallbackServerContext& context, const Id
 // "No deadline" reaches a server as one centuries off.
 CancelToken CancelTokenOf(const grpc::CallbackServerContext* context) {
   return CancelToken([context]() -> Status {
+    runtime::GiveWay();
     // The deadline first: when it passes, the call counts as cancelled too.
     if (std::chrono::system_clock::now() >= context->deadline()) {
       return Fail(FaultKind::kDeadlineExceeded, "The deadline has passed.");

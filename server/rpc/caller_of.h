@@ -21,7 +21,7 @@ namespace arap::rpc {
 struct Identity {
   std::shared_ptr<app::Tokens> tokens;  // null: tokens are refused
   bool demanded = false;                // those without identity are refused
-  app::OwnerLimits limits;              // of owners that come without a token
+  OwnerLimits limits;                   // of owners that come without a token
 };
 
 // The header "authorization: Bearer TOKEN" decides when it is there: a token that does not hold is
@@ -37,7 +37,8 @@ Result<app::Caller> CallerOf(const grpc::CallbackServerContext& context, const I
 app::TokenWatch WatchCaller(const grpc::CallbackServerContext& context, const Identity& identity,
                             const app::Caller& caller, std::function<void(Fault)> lost);
 
-// The caller's cancellation and deadline. `context` outlives every check of the token.
+// The caller's cancellation and deadline. `context` outlives every check of the token. A check is
+// also where a job gives way to frames (runtime::GiveWay).
 CancelToken CancelTokenOf(const grpc::CallbackServerContext* context);
 
 }  // namespace arap::rpc

@@ -2,14 +2,14 @@
 
 #include <array>
 #include <map>
-#include <mutex>
-#include <shared_mutex>
 
 #include <prometheus/counter.h>
 #include <prometheus/family.h>
 #include <prometheus/histogram.h>
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
+
+#include "core/base/mutex.h"
 
 namespace arap::runtime {
 namespace {
@@ -19,12 +19,9 @@ using prometheus::Histogram;
 using prometheus::Registry;
 
 // From a fifth of a frame of a small mesh to the flattening of a million triangles.
-const Histogram::BucketBoundaries& Seconds() {
-  static const Histogram::BucketBoundaries kSeconds = {
-      0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05,
-      0.1,    0.25,    0.5,    1,     2.5,    5,     10,   30,    60};
-  return kSeconds;
-}
+// Nothing with a destructor: calls that end late are counted while the process already ends.
+constexpr std::array kSeconds = {0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05,
+                                 0.1,    0.25,    0.5,    1.0,   2.5,    5.0,   10.0, 30.0,  60.0};
 
 // The metrics of one family, found by the values of their labels without building a label map.
 template <class Metric>
@@ -34,20 +31,16 @@ class Series {
       : family_(family), label_(std::move(label)) {}
 
   Metric& Of(std::string_view value) {
-    {
-      const std::shared_lock lock(mutex_);
-      if (const auto found = metrics_.find(value); found != metrics_.end()) return *found->second;
-    }
-    const std::lock_guard lock(mutex_);
-    auto& metric = metrics_[std::string(value)];
-    if (!metric) metric = Add(std::string(value));
-    return *metric;
+    const MutexLock lock(&mutex_);
+    if (const auto found = metrics_.find(value); found != metrics_.end()) return *found->second;
+    return *metrics_.emplace(value, Add(std::string(value))).first->second;
   }
 
  private:
   Metric* Add(const std::string& value) {
     if constexpr (std::is_same_v<Metric, Histogram>) {
-      return &family_.Add({{label_, value}}, Seconds());
+      return &family_.Add({{label_, value}},
+                          Histogram::BucketBoundaries(kSeconds.begin(), kSeconds.end()));
     } else {
       return &family_.Add({{label_, value}});
     }
@@ -55,18 +48,20 @@ class Series {
 
   prometheus::Family<Metric>& family_;
   const std::string label_;
-  std::shared_mutex mutex_;
-  std::map<std::string, Metric*, std::less<>> metrics_;  // guarded by mutex_
+  Mutex mutex_;
+  std::map<std::string, Metric*, std::less<>> metrics_ ABSL_GUARDED_BY(mutex_);
 };
 
-Series<Counter> Counters(Registry& registry, const char* name, const char* help,
-                         const char* label) {
-  return {prometheus::BuildCounter().Name(name).Help(help).Register(registry), label};
+prometheus::Family<Counter>& CounterFamily(Registry& registry, const MetricInfo& info) {
+  return prometheus::BuildCounter().Name(info.name).Help(info.help).Register(registry);
 }
 
-Series<Histogram> Histograms(Registry& registry, const char* name, const char* help,
-                             const char* label) {
-  return {prometheus::BuildHistogram().Name(name).Help(help).Register(registry), label};
+Series<Counter> Counters(Registry& registry, const MetricInfo& info, const char* label) {
+  return {CounterFamily(registry, info), label};
+}
+
+Series<Histogram> Histograms(Registry& registry, const MetricInfo& info, const char* label) {
+  return {prometheus::BuildHistogram().Name(info.name).Help(info.help).Register(registry), label};
 }
 
 // What Watch was asked for.
@@ -125,43 +120,27 @@ const char* PhaseName(Phase phase) {
 
 struct Metrics::Impl {
   Registry registry;
-  prometheus::Family<Counter>& rpcs = prometheus::BuildCounter()
-                                          .Name("arapd_rpcs_total")
-                                          .Help("RPCs that have ended, by method and status code.")
-                                          .Register(registry);
-  std::shared_mutex rpcs_mutex;
-  // Guarded by rpcs_mutex; by method, then code.
-  std::map<std::string, std::map<std::string, Counter*, std::less<>>, std::less<>> rpc_counters;
+  prometheus::Family<Counter>& rpcs = CounterFamily(registry, metric::kRpcs);
+  Mutex rpcs_mutex;
+  // By method, then code.
+  std::map<std::string, std::map<std::string, Counter*, std::less<>>, std::less<>> rpc_counters
+      ABSL_GUARDED_BY(rpcs_mutex);
 
-  Series<Histogram> rpc_seconds =
-      Histograms(registry, "arapd_rpc_seconds", "From the call to its end, by method.", "method");
-  Series<Histogram> queue_seconds =
-      Histograms(registry, "arapd_queue_seconds", "How long jobs waited for a worker.", "lane");
-  Series<Histogram> phase_seconds = Histograms(
-      registry, "arapd_phase_seconds", "How long the work took, without queueing.", "phase");
-  Series<Histogram> store_seconds =
-      Histograms(registry, "arapd_store_seconds", "How long the store took to answer.", "op");
-  Series<Counter> store_failures = Counters(registry, "arapd_store_failures_total",
-                                            "Operations that the store could not do.", "op");
-  Series<Counter> cache_hits =
-      Counters(registry, "arapd_cache_hits_total", "Look-ups that found something.", "cache");
-  Series<Counter> cache_misses =
-      Counters(registry, "arapd_cache_misses_total", "Look-ups that found nothing.", "cache");
-  Series<Counter> evictions =
-      Counters(registry, "arapd_evictions_total", "What a cache has let go.", "cache");
-  Series<Counter> evicted_bytes =
-      Counters(registry, "arapd_evicted_bytes_total", "Bytes of what a cache has let go.", "cache");
-  Counter& coalesced = prometheus::BuildCounter()
-                           .Name("arapd_coalesced_frames_total")
-                           .Help("Updates of streams that newer ones replaced.")
-                           .Register(registry)
-                           .Add({});
-  Series<Counter> rejected = Counters(registry, "arapd_rejected_total",
-                                      "Requests that a quota refused, by its name.", "quota");
+  Series<Histogram> rpc_seconds = Histograms(registry, metric::kRpcSeconds, "method");
+  Series<Histogram> queue_seconds = Histograms(registry, metric::kQueueSeconds, "lane");
+  Series<Histogram> phase_seconds = Histograms(registry, metric::kPhaseSeconds, "phase");
+  Series<Histogram> store_seconds = Histograms(registry, metric::kStoreSeconds, "op");
+  Series<Counter> store_failures = Counters(registry, metric::kStoreFailures, "op");
+  Series<Counter> cache_hits = Counters(registry, metric::kCacheHits, "cache");
+  Series<Counter> cache_misses = Counters(registry, metric::kCacheMisses, "cache");
+  Series<Counter> evictions = Counters(registry, metric::kEvictions, "cache");
+  Series<Counter> evicted_bytes = Counters(registry, metric::kEvictedBytes, "cache");
+  Series<Counter> rejected = Counters(registry, metric::kRejected, "quota");
+  Counter& coalesced = CounterFamily(registry, metric::kCoalesced).Add({});
   std::array<Histogram*, kPhases> phases{};
 
-  mutable std::mutex watched_mutex;
-  std::vector<Watched> watched;  // guarded by watched_mutex
+  Mutex watched_mutex;
+  std::vector<Watched> watched ABSL_GUARDED_BY(watched_mutex);
 
   // Phases are served from the start, also those that have not happened yet.
   Impl() {
@@ -171,20 +150,15 @@ struct Metrics::Impl {
   }
 
   Counter& Rpcs(std::string_view method, std::string_view code) {
-    {
-      const std::shared_lock lock(rpcs_mutex);
-      if (const auto codes = rpc_counters.find(method); codes != rpc_counters.end()) {
-        if (const auto found = codes->second.find(code); found != codes->second.end()) {
-          return *found->second;
-        }
-      }
+    const MutexLock lock(&rpcs_mutex);
+    auto codes = rpc_counters.find(method);
+    if (codes == rpc_counters.end()) codes = rpc_counters.try_emplace(std::string(method)).first;
+    if (const auto found = codes->second.find(code); found != codes->second.end()) {
+      return *found->second;
     }
-    const std::lock_guard lock(rpcs_mutex);
-    auto& counter = rpc_counters[std::string(method)][std::string(code)];
-    if (!counter) {
-      counter = &rpcs.Add({{"method", std::string(method)}, {"code", std::string(code)}});
-    }
-    return *counter;
+    Counter& counter = rpcs.Add({{"method", std::string(method)}, {"code", std::string(code)}});
+    codes->second.emplace(code, &counter);
+    return counter;
   }
 };
 
@@ -235,21 +209,21 @@ void Metrics::Coalesced(std::size_t updates) {
 
 void Metrics::Rejected(std::string_view quota) { impl_->rejected.Of(quota).Increment(); }
 
-void Metrics::Watch(const std::string& name, const std::string& help, Kind kind,
-                    const Labels& labels, std::function<double()> read) {
+void Metrics::Watch(const MetricInfo& info, Kind kind, const Labels& labels,
+                    std::function<double()> read) {
   Watched::Value value;
   for (const auto& [key, text] : labels) value.labels.push_back({key, text});
   value.read = std::move(read);
-  const std::lock_guard lock(impl_->watched_mutex);
+  const MutexLock lock(&impl_->watched_mutex);
   for (Watched& watched : impl_->watched) {
-    if (watched.name == name) {
+    if (watched.name == info.name) {
       watched.values.push_back(std::move(value));
       return;
     }
   }
   impl_->watched.push_back(
-      {name,
-       help,
+      {info.name,
+       info.help,
        kind == Kind::kCounter ? prometheus::MetricType::Counter : prometheus::MetricType::Gauge,
        {}});
   impl_->watched.back().values.push_back(std::move(value));
@@ -258,7 +232,7 @@ void Metrics::Watch(const std::string& name, const std::string& help, Kind kind,
 std::string Metrics::Text() const {
   std::vector<prometheus::MetricFamily> families = impl_->registry.Collect();
   {
-    const std::lock_guard lock(impl_->watched_mutex);
+    const MutexLock lock(&impl_->watched_mutex);
     for (const Watched& watched : impl_->watched) families.push_back(Read(watched));
   }
   return prometheus::TextSerializer().Serialize(families);

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "server/runtime/metric_names.h"
+
 namespace arap::runtime {
 
 // Where computing time goes.
@@ -31,8 +33,8 @@ inline constexpr std::size_t kPhases = 11;
 const char* PhaseName(Phase phase);
 
 // Thread-safe; one per server. A call costs well below a microsecond. Names and kinds come from the
-// program and never from a request, so that there are few of them; the names of what is served are
-// in docs/operations.md.
+// program and never from a request, so that there are few of them; the names
+// of the metrics are in metric_names.h.
 class Metrics {
  public:
   // A value that is read whenever the metrics are.
@@ -67,12 +69,11 @@ class Metrics {
   // A request was refused because of the quota of this name ("max_sessions", "queue").
   void Rejected(std::string_view quota);
 
-  // Serves `read()` as `name{labels}` whenever the metrics are read. The same name may be watched
-  // with other labels; help and kind are then those of the first. `read` is called by any thread
-  // that reads the metrics, must not call back into this object, and what it uses outlives the last
-  // Text().
-  void Watch(const std::string& name, const std::string& help, Kind kind, const Labels& labels,
-             std::function<double()> read);
+  // Serves `read()` under the name and the labels whenever the metrics are read. The same name may
+  // be watched with other labels; help and kind are then those of the first. `read` is called by
+  // any thread that reads the metrics, must not call back into this object, and what it uses
+  // outlives the last Text().
+  void Watch(const MetricInfo& info, Kind kind, const Labels& labels, std::function<double()> read);
 
   // Everything in the text format of Prometheus, version 0.0.4.
   std::string Text() const;

@@ -6,6 +6,7 @@ namespace arap::runtime {
 
 Ticker::Ticker(std::chrono::milliseconds period, std::function<void()> tick)
     : period_(period), tick_(std::move(tick)) {
+  const MutexLock joining(&join_mutex_);
   if (period_.count() > 0) thread_ = std::thread([this] { Run(); });
 }
 
@@ -13,21 +14,25 @@ Ticker::~Ticker() { Stop(); }
 
 void Ticker::Stop() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
     stopped_ = true;
   }
-  wake_.notify_all();
-  const std::lock_guard joining(join_mutex_);
+  wake_.SignalAll();
+  const MutexLock joining(&join_mutex_);
   if (thread_.joinable()) thread_.join();
 }
 
-void Ticker::Run() {
-  std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, period_, [this] { return stopped_; })) {
-    lock.unlock();
-    tick_();
-    lock.lock();
+bool Ticker::AwaitTick() {
+  const auto next = std::chrono::steady_clock::now() + period_;
+  const MutexLock lock(&mutex_);
+  while (!stopped_) {
+    if (wake_.WaitUntil(&mutex_, next)) return !stopped_;
   }
+  return false;
+}
+
+void Ticker::Run() {
+  while (AwaitTick()) tick_();
 }
 
 }  // namespace arap::runtime

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <thread>
+
+#include "core/base/mutex.h"
 
 namespace arap::runtime {
 
@@ -26,14 +26,16 @@ class Ticker {
 
  private:
   void Run();
+  // Waits for a period or for Stop: false when it has stopped.
+  bool AwaitTick();
 
   const std::chrono::milliseconds period_;
   const std::function<void()> tick_;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  bool stopped_ = false;  // guarded by mutex_
-  std::mutex join_mutex_;
-  std::thread thread_;  // guarded by join_mutex_
+  Mutex mutex_;
+  CondVar wake_;
+  bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
+  Mutex join_mutex_;
+  std::thread thread_ ABSL_GUARDED_BY(join_mutex_);
 };
 
 }  // namespace arap::runtime

@@ -5,8 +5,6 @@
 #include <utility>
 
 #include <pthread.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include "server/runtime/metrics.h"
 
@@ -17,84 +15,99 @@ using std::chrono::steady_clock;
 
 constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
 
+// What GiveWay knows of the thread that calls it.
+struct Worker {
+  WorkerPool* pool = nullptr;
+  WorkerPool* gives_way_to = nullptr;
+  steady_clock::time_point next;  // when it may wait again
+};
+thread_local Worker this_worker;
+
 PoolOptions WithThread(PoolOptions options) {
   options.threads = std::max<std::size_t>(options.threads, 1);
   return options;
 }
 
-// Linux has a niceness per thread. That it cannot be set keeps nothing from working.
-void DressThread(const PoolOptions& options) {
+void NameThread(const std::string& name) {
   constexpr std::size_t kLongestName = 15;
-  pthread_setname_np(pthread_self(), options.name.substr(0, kLongestName).c_str());
-  if (options.niceness != 0) {
-    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), options.niceness);
-  }
+  pthread_setname_np(pthread_self(), name.substr(0, kLongestName).c_str());
 }
 
 }  // namespace
+
+void GiveWay() {
+  Worker& worker = this_worker;
+  if (worker.gives_way_to == nullptr) return;
+  const auto begin = steady_clock::now();
+  if (begin < worker.next) return;
+  if (worker.gives_way_to->AwaitFreeThread(std::chrono::milliseconds::zero())) return;
+  {
+    const MutexLock lock(&worker.pool->mutex_);
+    ++worker.pool->gave_way_;
+  }
+  worker.gives_way_to->AwaitFreeThread(kGiveWay);
+  const auto end = steady_clock::now();
+  worker.next = end + (end - begin);
+}
 
 WorkerPool::WorkerPool(PoolOptions options)
     : options_(WithThread(std::move(options))),
       running_since_(options_.threads),
       last_finish_(steady_clock::now()) {
+  const MutexLock joining(&join_mutex_);
   threads_.reserve(options_.threads);
   for (std::size_t i = 0; i < options_.threads; ++i) threads_.emplace_back([this, i] { Run(i); });
 }
 
 WorkerPool::WorkerPool(std::size_t threads, std::size_t queue)
-    : WorkerPool(PoolOptions{"pool", threads, queue, 0, nullptr}) {}
+    : WorkerPool(PoolOptions{"pool", threads, queue}) {}
 
 WorkerPool::~WorkerPool() { Stop(); }
 
-bool WorkerPool::TryPost(Job job) { return Post(jobs_, std::move(job), options_.queue); }
+bool WorkerPool::TryPost(Job job) { return Post(std::move(job), false, options_.queue); }
 
-bool WorkerPool::Continue(Job job) { return Post(jobs_, std::move(job), kAny); }
+bool WorkerPool::Continue(Job job) { return Post(std::move(job), false, kAny); }
 
-bool WorkerPool::PostUrgent(Job job) { return Post(urgent_, std::move(job), kAny); }
+bool WorkerPool::PostUrgent(Job job) { return Post(std::move(job), true, kAny); }
 
-bool WorkerPool::Post(std::deque<Posted>& jobs, Job job, std::size_t room) {
+bool WorkerPool::Post(Job job, bool urgent, std::size_t room) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
+    std::deque<Posted>& jobs = urgent ? urgent_ : jobs_;
     if (stopped_ || jobs.size() >= room) return false;
     jobs.push_back({std::move(job), steady_clock::now()});
   }
-  wake_.notify_one();
+  wake_.Signal();
   return true;
-}
-
-WorkerPool::Posted WorkerPool::TakeLocked() {
-  std::deque<Posted>& jobs = urgent_.empty() ? jobs_ : urgent_;
-  Posted next = std::move(jobs.front());
-  jobs.pop_front();
-  return next;
 }
 
 void WorkerPool::Stop() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
     stopped_ = true;
   }
-  wake_.notify_all();
-  const std::lock_guard joining(join_mutex_);
+  wake_.SignalAll();
+  const MutexLock joining(&join_mutex_);
   for (std::thread& thread : threads_) thread.join();
   threads_.clear();
 }
 
 std::size_t WorkerPool::waiting() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   return urgent_.size() + jobs_.size();
 }
 
 PoolStats WorkerPool::stats() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   const Time now = steady_clock::now();
   PoolStats stats;
   stats.waiting = urgent_.size() + jobs_.size();
+  stats.running = running_;
   stats.completed = completed_;
+  stats.gave_way = gave_way_;
   stats.busy = busy_;
   for (const std::optional<Time>& since : running_since_) {
     if (!since) continue;
-    ++stats.running;
     stats.busy += now - *since;
     stats.oldest_running =
         std::max<std::chrono::duration<double>>(stats.oldest_running, now - *since);
@@ -108,31 +121,57 @@ PoolStats WorkerPool::stats() const {
   return stats;
 }
 
-void WorkerPool::Run(std::size_t thread) {
-  DressThread(options_);
-  for (;;) {
-    Posted next;
-    Time started;
-    {
-      std::unique_lock lock(mutex_);
-      wake_.wait(lock, [this] { return stopped_ || !urgent_.empty() || !jobs_.empty(); });
-      if (urgent_.empty() && jobs_.empty()) return;
-      next = TakeLocked();
-      started = steady_clock::now();
-      running_since_[thread] = started;
-    }
-    if (options_.metrics != nullptr) {
-      options_.metrics->Queue(options_.name,
-                              std::chrono::duration<double>(started - next.since).count());
-    }
-    next.job();
-    // What the job holds goes before it counts as done.
-    next.job = nullptr;
-    const std::lock_guard lock(mutex_);
-    running_since_[thread].reset();
-    ++completed_;
+bool WorkerPool::HasFreeThread() const {
+  return running_ < options_.threads && urgent_.empty() && jobs_.empty();
+}
+
+bool WorkerPool::AwaitFreeThread(std::chrono::milliseconds patience) const {
+  const auto deadline = steady_clock::now() + patience;
+  const MutexLock lock(&mutex_);
+  while (!HasFreeThread()) {
+    if (free_.WaitUntil(&mutex_, deadline)) return HasFreeThread();
+  }
+  return true;
+}
+
+std::optional<WorkerPool::Posted> WorkerPool::Take(std::size_t thread) {
+  const MutexLock lock(&mutex_);
+  while (urgent_.empty() && jobs_.empty()) {
+    if (stopped_) return std::nullopt;
+    wake_.Wait(&mutex_);
+  }
+  std::deque<Posted>& jobs = urgent_.empty() ? jobs_ : urgent_;
+  Posted next = std::move(jobs.front());
+  jobs.pop_front();
+  running_since_[thread] = steady_clock::now();
+  ++running_;
+  return next;
+}
+
+void WorkerPool::Finished(std::size_t thread) {
+  {
+    const MutexLock lock(&mutex_);
     last_finish_ = steady_clock::now();
-    busy_ += last_finish_ - started;
+    busy_ += last_finish_ - *std::exchange(running_since_[thread], std::nullopt);
+    --running_;
+    ++completed_;
+    if (!HasFreeThread()) return;
+  }
+  free_.SignalAll();
+}
+
+void WorkerPool::Run(std::size_t thread) {
+  NameThread(options_.name);
+  this_worker = {this, options_.gives_way_to, {}};
+  while (std::optional<Posted> next = Take(thread)) {
+    if (options_.metrics != nullptr) {
+      const std::chrono::duration<double> waited = steady_clock::now() - next->since;
+      options_.metrics->Queue(options_.name, waited.count());
+    }
+    next->job();
+    // What the job holds goes before it counts as done.
+    next.reset();
+    Finished(thread);
   }
 }
 

@@ -8,20 +8,20 @@
 namespace arap::store {
 
 const RecordReader::Json& RecordReader::At(const Json& json, const char* name) {
-  static const Json nothing;
+  static const Json& nothing = *new Json;
   if (!Check(json.is_object())) return nothing;
   const auto found = json.find(name);
   return Check(found != json.end()) ? *found : nothing;
 }
 
 const RecordReader::Json& RecordReader::Array(const Json& json, const char* name) {
-  static const Json empty = Json::array();
+  static const Json& empty = *new Json(Json::array());
   const Json& at = At(json, name);
   return Check(at.is_array()) ? at : empty;
 }
 
 const RecordReader::Json& RecordReader::Object(const Json& json, const char* name) {
-  static const Json empty = Json::object();
+  static const Json& empty = *new Json(Json::object());
   const Json& at = At(json, name);
   return Check(at.is_object()) ? at : empty;
 }

@@ -25,6 +25,7 @@ app::Limits SmallLimits() {
   limits.max_flatten_triangles = 150;
   limits.max_cached_surfaces = 2;
   limits.max_stream_fps = 1e9;
+  limits.max_queued_jobs = 64;
   return limits;
 }
 
@@ -93,7 +94,7 @@ World& World::Get() {
 }
 
 World::World()
-    : engine_(SmallLimits(), {1, 1, 64, 1}, clock_, Memory()),
+    : engine_(SmallLimits(), {1, 1, 1}, clock_, Memory()),
       services_(rpc::MakeServices(engine_, identity_)) {
   spdlog::set_level(spdlog::level::off);
   google::protobuf::SetLogHandler(nullptr);

@@ -105,28 +105,29 @@ RedisScript Make(std::string_view functions, std::string_view body) {
 
 }  // namespace
 
+// Scripts are never destroyed: the stores that use them may end late.
 const RedisScript& PutScript() {
-  static const RedisScript script = Make(kKeep, kPut);
+  static const RedisScript& script = *new RedisScript(Make(kKeep, kPut));
   return script;
 }
 
 const RedisScript& ExtendScript() {
-  static const RedisScript script = Make(kKeep, kExtend);
+  static const RedisScript& script = *new RedisScript(Make(kKeep, kExtend));
   return script;
 }
 
 const RedisScript& RemoveScript() {
-  static const RedisScript script = Make(kForget, kRemove);
+  static const RedisScript& script = *new RedisScript(Make(kForget, kRemove));
   return script;
 }
 
 const RedisScript& RemoveExpiredScript() {
-  static const RedisScript script = Make(kForget, kRemoveExpired);
+  static const RedisScript& script = *new RedisScript(Make(kForget, kRemoveExpired));
   return script;
 }
 
 const RedisScript& ReferencedScript() {
-  static const RedisScript script = Make("", kReferenced);
+  static const RedisScript& script = *new RedisScript(Make("", kReferenced));
   return script;
 }
 

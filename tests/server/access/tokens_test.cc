@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/runtime/fake_clock.h"
+#include "tests/support/fake_clock.h"
 #include "tests/system/wire/token_fixture.h"
 
 namespace arap::app {

@@ -3,8 +3,8 @@
 
 #include "server/flattening/flatten_cache.h"
 #include "server/flattening/flatten_surface.h"
-#include "server/runtime/fake_clock.h"
 #include "server/sessions/content_hash.h"
+#include "tests/support/fake_clock.h"
 #include "tests/support/surfaces.h"
 
 namespace arap::app {

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <future>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -18,6 +20,10 @@
 namespace arap::runtime {
 namespace {
 
+using std::chrono::milliseconds;
+
+constexpr std::chrono::seconds kPatience{60};
+
 // Keeps one worker busy until opened.
 class Blocker {
  public:
@@ -25,9 +31,9 @@ class Blocker {
     auto started = started_.get_future();
     EXPECT_TRUE(pool.TryPost([this, open = open_.get_future().share()] {
       started_.set_value();
-      open.wait();
+      EXPECT_EQ(open.wait_for(kPatience), std::future_status::ready) << "nobody opens it";
     }));
-    started.wait();
+    EXPECT_EQ(started.wait_for(kPatience), std::future_status::ready) << "no worker is free";
   }
   void Open() { open_.set_value(); }
 
@@ -100,7 +106,7 @@ TEST(WorkerPoolTest, StopRunsWhatWaitsAndRefusesMore) {
 
 TEST(WorkerPoolTest, TellsWhatItDoes) {
   Metrics metrics;
-  WorkerPool pool({"lane", 1, 10, 0, &metrics});
+  WorkerPool pool({"lane", 1, 10, &metrics});
   EXPECT_EQ(pool.name(), "lane");
   EXPECT_EQ(pool.stats().running, 0u);
   EXPECT_EQ(pool.stats().oldest_running.count(), 0);
@@ -123,20 +129,74 @@ TEST(WorkerPoolTest, TellsWhatItDoes) {
   EXPECT_NE(metrics.Text().find("arapd_queue_seconds_count{lane=\"lane\"} 2\n"), std::string::npos);
 }
 
-TEST(WorkerPoolTest, ThreadsAreAsNiceAsAsked) {
+// Jobs give way to frames inside the process; among the processes of the machine they are no less.
+TEST(WorkerPoolTest, ThreadsHaveTheNameOfThePoolAndThePriorityOfTheProcess) {
   const int ours = getpriority(PRIO_PROCESS, 0);
-  int theirs = 0;
+  int theirs = ours + 1;
   std::array<char, 16> name{};
+  WorkerPool frames(1, 1);
   {
-    WorkerPool pool({"jobs", 1, 1, std::min(ours + 3, 19), nullptr});
+    WorkerPool pool({"jobs", 1, 1, nullptr, &frames});
     EXPECT_TRUE(pool.TryPost([&] {
       theirs = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()));
       pthread_getname_np(pthread_self(), name.data(), name.size());
     }));
   }
-  EXPECT_EQ(theirs, std::min(ours + 3, 19));
+  EXPECT_EQ(theirs, ours);
   EXPECT_STREQ(name.data(), "jobs");
-  EXPECT_EQ(getpriority(PRIO_PROCESS, 0), ours);
+}
+
+TEST(WorkerPoolTest, TellsWhenAThreadIsFree) {
+  WorkerPool pool(2, 2);
+  EXPECT_TRUE(pool.AwaitFreeThread(milliseconds::zero()));
+  Blocker first(pool);
+  EXPECT_TRUE(pool.AwaitFreeThread(milliseconds::zero())) << "the second one";
+  Blocker second(pool);
+  EXPECT_FALSE(pool.AwaitFreeThread(milliseconds(1)));
+  std::atomic<bool> opened{false};
+  std::thread waiting([&] {
+    EXPECT_TRUE(pool.AwaitFreeThread(kPatience)) << "no thread has become free";
+    EXPECT_TRUE(opened);
+  });
+  opened = true;
+  first.Open();
+  waiting.join();
+  second.Open();
+}
+
+TEST(WorkerPoolTest, WhatWaitsIsNotPassedOver) {
+  WorkerPool pool(1, 2);
+  Blocker first(pool);
+  std::promise<void> open;
+  EXPECT_TRUE(pool.TryPost([&] { open.get_future().wait_for(kPatience); }));
+  first.Open();
+  EXPECT_FALSE(pool.AwaitFreeThread(milliseconds(1))) << "the second job waits or runs";
+  open.set_value();
+  EXPECT_TRUE(pool.AwaitFreeThread(kPatience));
+}
+
+TEST(WorkerPoolTest, LongJobsGiveWayWhileAllFramesAreBusyAndYetGetOn) {
+  WorkerPool frames(1, 1);
+  WorkerPool jobs({"jobs", 1, 4, nullptr, &frames});
+  const auto run = [&jobs](WorkerPool::Job job) {
+    std::promise<void> done;
+    EXPECT_TRUE(jobs.TryPost([&] {
+      job();
+      done.set_value();
+    }));
+    EXPECT_EQ(done.get_future().wait_for(kPatience), std::future_status::ready) << "the job";
+  };
+  run(&GiveWay);
+  EXPECT_EQ(jobs.stats().gave_way, 0u) << "nobody is in a hurry";
+  Blocker frame(frames);
+  run(&GiveWay);
+  EXPECT_EQ(jobs.stats().gave_way, 1u) << "and it has ended, although the frame has not";
+  frame.Open();
+  frames.Stop();
+  run(&GiveWay);
+  EXPECT_EQ(jobs.stats().gave_way, 1u);
+  GiveWay();
+  EXPECT_EQ(frames.stats().gave_way, 0u) << "a thread of no pool gives way to none";
 }
 
 TEST(WorkerPoolTest, HasAtLeastOneThread) { EXPECT_EQ(WorkerPool(0, 1).threads(), 1u); }

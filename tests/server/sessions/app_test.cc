@@ -7,13 +7,13 @@
 #include <gtest/gtest.h>
 
 #include "server/engine.h"
-#include "server/runtime/fake_clock.h"
 #include "server/sessions/handle_sets.h"
 #include "server/sessions/names.h"
 #include "server/sessions/registration.h"
 #include "server/sessions/warm.h"
 #include "server/streams/live_set.h"
 #include "server/streams/targets.h"
+#include "tests/support/fake_clock.h"
 
 namespace arap::app {
 namespace {
@@ -48,7 +48,7 @@ class AppTest : public ::testing::Test {
 
   runtime::FakeClock clock_;
   const Caller ann_{"ann", Role::kUser, {}};
-  Engine engine_{Limits{}, Lanes{1, 1, 8}, clock_, *store::OpenStores({})};
+  Engine engine_{Limits{}, Lanes{1, 1}, clock_, *store::OpenStores({})};
 };
 
 TEST_F(AppTest, EndOfASessionIsToldOnce) {

@@ -6,10 +6,10 @@
 
 #include "server/budget/estimate.h"
 #include "server/engine.h"
-#include "server/runtime/fake_clock.h"
 #include "server/sessions/handle_sets.h"
 #include "server/sessions/registration.h"
 #include "server/sessions/warm.h"
+#include "tests/support/fake_clock.h"
 #include "tests/support/meshes.h"
 
 namespace arap::app {
@@ -57,7 +57,7 @@ class CancelledWorkTest : public ::testing::Test {
 
   runtime::FakeClock clock_;
   const Caller ann_{"ann", Role::kUser, {}};
-  Engine engine_{Limits{}, Lanes{1, 1, 8}, clock_, *store::OpenStores({})};
+  Engine engine_{Limits{}, Lanes{1, 1}, clock_, *store::OpenStores({})};
 };
 
 TEST_F(CancelledWorkTest, ARegistrationLeavesNothing) {

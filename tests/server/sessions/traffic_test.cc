@@ -9,10 +9,10 @@
 
 #include "arap/core/deformer.h"
 #include "server/engine.h"
-#include "server/runtime/fake_clock.h"
 #include "server/sessions/handle_sets.h"
 #include "server/sessions/registration.h"
 #include "server/sessions/warm.h"
+#include "tests/support/fake_clock.h"
 #include "tests/support/meshes.h"
 
 namespace arap::app {
@@ -61,7 +61,7 @@ class TrafficTest : public ::testing::Test {
   }
 
   runtime::FakeClock clock_;
-  Engine engine_{Limits{}, Lanes{1, 1, 8}, clock_, *store::OpenStores({})};
+  Engine engine_{Limits{}, Lanes{1, 1}, clock_, *store::OpenStores({})};
 };
 
 TEST_F(TrafficTest, NothingIsLost) {

@@ -9,9 +9,9 @@
 
 #include "arap/core/deformer.h"
 #include "server/engine.h"
-#include "server/runtime/fake_clock.h"
 #include "server/sessions/handle_sets.h"
 #include "server/sessions/registration.h"
+#include "tests/support/fake_clock.h"
 #include "tests/support/meshes.h"
 
 namespace arap::app {
@@ -40,7 +40,7 @@ class WarmTest : public ::testing::Test {
   WarmTest() { Start(*store::OpenStores({})); }
 
   void Start(store::Stores stores) {
-    engine_ = std::make_unique<Engine>(limits_, Lanes{1, 1, 8, 1}, clock_, std::move(stores));
+    engine_ = std::make_unique<Engine>(limits_, Lanes{1, 1, 1}, clock_, std::move(stores));
   }
   void Open(const Caller& caller, const std::string& id) {
     ASSERT_TRUE(engine_->sessions.Create(caller, {id, minutes(60), {}}));

@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "server/runtime/fake_clock.h"
 #include "server/sessions/session_registry.h"
 #include "server/store/open_store.h"
 #include "server/store/redis/redis.h"
@@ -15,6 +14,7 @@
 #include "tests/server/store/redis_server.h"
 #include "tests/server/store/store_kind.h"
 #include "tests/server/store/temp_dir.h"
+#include "tests/support/fake_clock.h"
 
 namespace arap::app {
 namespace {

@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "server/runtime/fake_clock.h"
 #include "server/sessions/session_registry.h"
 #include "server/store/open_store.h"
 #include "tests/server/store/redis_server.h"
 #include "tests/server/store/temp_dir.h"
+#include "tests/support/fake_clock.h"
 
 namespace arap::app {
 namespace {
