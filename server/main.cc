@@ -4,20 +4,24 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include <fcntl.h>
+#include <grpc/grpc.h>
 #include <grpc/support/log.h>
 #include <poll.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "server/config/check.h"
 #include "server/config/config.h"
 #include "server/config/logs.h"
-#include "server/config/state_dir.h"
 #include "server/host/host.h"
 #include "server/version.h"
 
@@ -135,11 +139,24 @@ void AwaitDelay(std::chrono::milliseconds delay, const std::vector<ReloadHook>& 
   }
 }
 
+// Makes the parents of the directory of "sqlite:DIR"; nothing for other stores.
+arap::Status MakeParents(const std::string& store) {
+  constexpr std::string_view kSqlite = "sqlite:";
+  if (!store.starts_with(kSqlite)) return {};
+  const auto parent = std::filesystem::path(store.substr(kSqlite.size())).parent_path();
+  if (parent.empty()) return {};
+  std::error_code error;
+  std::filesystem::create_directories(parent, error);
+  if (!error) return {};
+  return arap::Fail(arap::FaultKind::kStoreUnavailable,
+                    "The folder " + parent.string() + " cannot be made: " + error.message() + ".");
+}
+
 int Serve(const arap::config::Outcome& outcome) {
   const Config& config = outcome.config;
   if (const arap::Status ready = SetUpLogs(config.log); !ready) return Complain(ready.error(), 1);
   LogConfig(outcome);
-  if (auto made = arap::config::MakeParents(config.host.store.store); !made) {
+  if (auto made = MakeParents(config.host.store.store); !made) {
     return Complain(made.error(), 1);
   }
   auto host = arap::host::Host::Start(config.host);
@@ -156,7 +173,8 @@ int Serve(const arap::config::Outcome& outcome) {
   spdlog::info("event=ready version={} admin={}", arap::app::Version(),
                admin.empty() ? "-" : admin);
 
-  const std::vector<ReloadHook> hooks = {{"access", [&] { return (*host)->access().Reload(); }}};
+  const std::vector<ReloadHook> hooks = {
+      {"access", [&] { return (*host)->credentials().Reload(); }}};
   const int signal = AwaitStop(hooks);
   (*host)->Drain();
   spdlog::info("event=draining signal={} streams={} delay_s={}", signal,
@@ -189,7 +207,12 @@ int main(int argc, char** argv) {
     std::puts("arapd: the configuration is good");
     return 0;
   }
+  // The end in order: Serve has stopped whatever answers calls; then gRPC's threads end, which hold
+  // on to its library as long as we do; then nobody writes into the logs any more.
+  grpc_init();
   const int code = Serve(*outcome);
+  grpc_shutdown_blocking();
+  gpr_set_log_function(nullptr);
   spdlog::shutdown();
   return code;
 }

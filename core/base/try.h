@@ -2,7 +2,7 @@
 //
 //   TRY(auto mesh, ReadMesh(path));    // declares `mesh`; returns the fault when there is one
 //   TRY(session_, Find(key));          // assigns
-//   CHECK_OK(Validate(mesh));          // for a Status
+//   CHECK_OK(Validate(mesh));          // for a Status, or a Result whose value is not needed
 //
 // Not in the installed headers: macros have no namespace.
 #pragma once
@@ -20,8 +20,8 @@
 
 #define TRY(value, ...) ARAP_TRY_AS(ARAP_JOIN(try_result_, __LINE__), value, __VA_ARGS__)
 
-#define CHECK_OK(...)                                           \
-  do {                                                          \
-    if (::arap::Status try_status = (__VA_ARGS__); !try_status) \
-      return ::arap::Fail(std::move(try_status).error());       \
+#define CHECK_OK(...)                                     \
+  do {                                                    \
+    if (auto try_status = (__VA_ARGS__); !try_status)     \
+      return ::arap::Fail(std::move(try_status).error()); \
   } while (false)

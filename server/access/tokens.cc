@@ -4,6 +4,8 @@
 
 #include <sys/stat.h>
 
+#include "core/base/try.h"
+
 namespace arap::app {
 namespace {
 
@@ -20,31 +22,31 @@ Tokens::Tokens(std::string path, const OwnerLimits& defaults, const runtime::Clo
 Result<std::shared_ptr<Tokens>> Tokens::Open(std::string path, const OwnerLimits& defaults,
                                              const runtime::Clock& clock) {
   std::shared_ptr<Tokens> tokens(new Tokens(std::move(path), defaults, clock));
-  if (auto loaded = tokens->Reload(); !loaded) return Fail(std::move(loaded.error()));
+  CHECK_OK(tokens->Reload());
   return tokens;
 }
 
 Result<Caller> Tokens::Check(std::string_view token) const {
   std::shared_ptr<const TokenFile> file;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
     file = file_;
   }
   return file->Check(token, clock_.WallNow());
 }
 
 Status Tokens::Reload() {
-  const std::lock_guard one_at_a_time(reload_mutex_);
+  const MutexLock one_at_a_time(&reload_mutex_);
   // Before reading: a change in between is seen by the next look.
   const Stamp stamp = StampOf(path_);
   auto file = TokenFile::Read(path_, defaults_);
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
     stamp_ = stamp;
     if (!file) return Fail(std::move(file.error()));
     file_ = std::make_shared<const TokenFile>(*std::move(file));
   }
-  TellTheLost();
+  EndLostWatches();
   return {};
 }
 
@@ -52,23 +54,19 @@ Result<bool> Tokens::Refresh() {
   const Stamp now = StampOf(path_);
   bool changed = false;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
     changed = !(now == stamp_);
   }
-  if (changed) {
-    if (auto loaded = Reload(); !loaded) {
-      TellTheLost();
-      return Fail(std::move(loaded.error()));
-    }
-    return true;
-  }
-  TellTheLost();
-  return false;
+  const Status loaded = changed ? Reload() : Status();
+  // Tokens expire whether the file is good or not.
+  EndLostWatches();
+  if (!loaded) return Fail(loaded.error());
+  return changed;
 }
 
 TokenWatch Tokens::Watch(std::string_view id, const std::string& owner, Lost lost) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
     if (file_->Holds(id, owner, clock_.WallNow())) {
       const std::uint64_t key = next_key_++;
       watched_.emplace(key, Watched{std::string(id), owner, std::move(lost)});
@@ -80,7 +78,7 @@ TokenWatch Tokens::Watch(std::string_view id, const std::string& owner, Lost los
 }
 
 std::size_t Tokens::size() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   return file_->size();
 }
 
@@ -92,10 +90,10 @@ Tokens::Stamp Tokens::StampOf(const std::string& path) {
           static_cast<std::uint64_t>(info.st_ctim.tv_nsec)};
 }
 
-void Tokens::TellTheLost() {
+void Tokens::EndLostWatches() {
   std::vector<Lost> lost;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
     const auto now = clock_.WallNow();
     for (auto at = watched_.begin(); at != watched_.end();) {
       Watched& watched = at->second;
@@ -111,7 +109,7 @@ void Tokens::TellTheLost() {
 }
 
 void Tokens::Forget(std::uint64_t key) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   watched_.erase(key);
 }
 

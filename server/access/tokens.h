@@ -5,12 +5,12 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "arap/base/result.h"
+#include "core/base/mutex.h"
 #include "server/access/token_file.h"
 #include "server/runtime/clock.h"
 
@@ -63,20 +63,20 @@ class Tokens : public std::enable_shared_from_this<Tokens> {
 
   Tokens(std::string path, const OwnerLimits& defaults, const runtime::Clock& clock);
   static Stamp StampOf(const std::string& path);
-  void TellTheLost();
+  // Ends the watches whose token does not hold any more.
+  void EndLostWatches();
   void Forget(std::uint64_t key);
 
   const std::string path_;
   const OwnerLimits defaults_;
   const runtime::Clock& clock_;
-  std::mutex reload_mutex_;  // one reload at a time, so that the newest file wins
+  Mutex reload_mutex_;  // one reload at a time, so that the newest file wins
 
-  mutable std::mutex mutex_;
-  // All below is guarded by mutex_.
-  std::shared_ptr<const TokenFile> file_;
-  Stamp stamp_;
-  std::uint64_t next_key_ = 1;
-  std::map<std::uint64_t, Watched> watched_;
+  mutable Mutex mutex_;
+  std::shared_ptr<const TokenFile> file_ ABSL_GUARDED_BY(mutex_);
+  Stamp stamp_ ABSL_GUARDED_BY(mutex_);
+  std::uint64_t next_key_ ABSL_GUARDED_BY(mutex_) = 1;
+  std::map<std::uint64_t, Watched> watched_ ABSL_GUARDED_BY(mutex_);
 };
 
 // Ends its watch when it goes. An empty one watches nothing. Move-only.

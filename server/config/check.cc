@@ -1,3 +1,5 @@
+#include "server/config/check.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
@@ -10,9 +12,9 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "server/config/config.h"
-#include "server/host/access.h"
+#include "core/base/try.h"
 #include "server/host/admin_http.h"
+#include "server/host/credentials.h"
 #include "server/host/listen.h"
 #include "server/runtime/clock.h"
 #include "server/store/redis/redis_url.h"
@@ -66,10 +68,9 @@ Status CheckListen(const std::string& address) {
 }
 
 // Reads certificates and tokens, and lets them go.
-Status CheckAccess(const host::HostOptions& options) {
-  const auto opened = host::Access::Open(options.access, options.listen, options.limits.owner,
-                                         std::make_shared<runtime::SystemClock>());
-  if (!opened) return Fail(opened.error());
+Status CheckCredentials(const host::HostOptions& options) {
+  CHECK_OK(host::Credentials::Open(options.credentials, options.listen, options.limits.owner,
+                                   std::make_shared<runtime::SystemClock>()));
   return {};
 }
 
@@ -78,7 +79,7 @@ Status CheckStore(const store::StoreOptions& options) {
   const std::string& spec = options.store;
   if (spec == "memory") return {};
   if (spec.starts_with(kRedis)) {
-    if (auto url = store::ParseRedisUrl(spec); !url) return Fail(std::move(url.error()));
+    CHECK_OK(store::ParseRedisUrl(spec));
     if (!options.blob_dir.empty()) return {};
     return Fail(Bad("blob-dir", "With redis, --blob-dir is needed, a folder for the meshes."));
   }
@@ -93,42 +94,20 @@ Status CheckStore(const store::StoreOptions& options) {
 Status Check(const Config& config) {
   if (config.host.listen.empty()) return Fail(Bad("listen", "--listen names no address."));
   for (const std::string& address : config.host.listen) {
-    if (auto good = CheckListen(address); !good) return good;
+    CHECK_OK(CheckListen(address));
   }
-  if (!config.host.admin.empty()) {
-    if (auto good = host::ParseAdminAddress(config.host.admin); !good) return Fail(good.error());
-  }
-  if (auto good = CheckAccess(config.host); !good) return good;
-  if (auto good = CheckStore(config.host.store); !good) return good;
+  if (!config.host.admin.empty()) CHECK_OK(host::ParseAdminAddress(config.host.admin));
+  CHECK_OK(CheckCredentials(config.host));
+  CHECK_OK(CheckStore(config.host.store));
   for (const auto& [flag, path] :
        {std::pair{"log-file", config.log.file}, std::pair{"access-log", config.log.access}}) {
     if (path.empty() || path == "-" || path == "off") continue;
-    if (auto good = CheckWritable(flag, path); !good) return good;
+    CHECK_OK(CheckWritable(flag, path));
   }
   if (!config.log.file.empty() && config.log.file == config.log.access) {
     return Fail(Bad("access-log", "--access-log and --log-file name the same file."));
   }
   return {};
-}
-
-std::string Redacted(const std::string& value) {
-  const std::size_t scheme = value.find("://");
-  if (scheme == std::string::npos) return value;
-  const std::size_t begin = scheme + 3;
-  const std::size_t end = std::min(value.find_first_of("/?#,", begin), value.size());
-  // The last @ before the path: a password may hold one.
-  const std::size_t at = value.rfind('@', end);
-  if (at == std::string::npos || at < begin || at >= end) {
-    // A slash in a password would end the host too early.
-    return value.find('@', begin) == std::string::npos ? value : value.substr(0, begin) + "***";
-  }
-  const std::size_t colon = value.find(':', begin);
-  const std::size_t word = colon < at ? colon + 1 : begin;
-  return value.substr(0, word) + "***" + value.substr(at);
-}
-
-std::chrono::milliseconds Milliseconds(double seconds) {
-  return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1e3));
 }
 
 }  // namespace arap::config

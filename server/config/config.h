@@ -25,10 +25,6 @@ struct Config {
   double drain_delay_seconds = 0;
   double drain_seconds = 5;
   double stuck_seconds = 10;
-  double default_ttl_seconds = 3'600;
-  double max_ttl_seconds = 86'400;
-  double max_stream_idle_seconds = 600;
-  double idle_evict_seconds = 600;
   double keepalive_seconds = 60;
   double keepalive_timeout_seconds = 20;
   bool no_admin = false;
@@ -57,10 +53,6 @@ struct Outcome {
 // for the terminal.
 Result<Outcome> Read(const std::vector<std::string>& arguments,
                      const std::vector<std::string>& environment);
-
-// Whatever can be found wrong without serving: addresses, files, folders, numbers that contradict
-// each other. Nothing is created, bound or connected. Faults name the flag in `field`.
-Status Check(const Config& config);
 
 // The value without a password: of "redis://user:word@host:1" and of "redis://:word@host:1" the
 // word becomes "***".

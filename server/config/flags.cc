@@ -1,98 +1,75 @@
 #include "server/config/flags.h"
 
-#include "arap/core/deformer.h"
+#include <chrono>
+
+#include <fmt/format.h>
+
 #include "server/host/listen.h"
 #include "server/version.h"
 
 namespace arap::config {
 namespace {
 
-constexpr double kMaxSeconds = 1e9;
 constexpr double kDay = 86'400;
-constexpr const char* kLimits = "Limits";
+constexpr const char* kLimitGroup = "Limits";
 constexpr const char* kStopping = "Readiness and stopping";
 constexpr const char* kLogs = "Logs and metrics";
 
-void AddLimits(CLI::App& app, Config& config) {
-  app::Limits& limits = config.host.limits;
-  const auto add = [&](const char* name, auto& value, const char* help, double largest = 1e9) {
-    app.add_option(name, value, help)
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, largest))
-        ->group(kLimits);
-  };
-  add("--max-sessions", limits.max_sessions, "Sessions on this server");
-  add("--max-meshes-per-session", limits.max_meshes_per_session, "Meshes of one session");
-  add("--max-handle-sets-per-session", limits.max_handle_sets_per_session,
-      "Handle sets of one session");
-  add("--max-vertices", limits.max_vertices, "Vertices of one mesh");
-  add("--max-triangles", limits.max_triangles, "Triangles of one mesh");
-  add("--max-handles", limits.max_handles, "Handles of one handle set");
-  add("--max-message-bytes", limits.max_message_bytes, "Bytes of one request message");
-  add("--max-streams", limits.max_streams, "Open streams and running tracks");
-  add("--max-track-frames", limits.max_track_frames, "Frames of one track");
-  add("--max-refine", limits.max_refine, "Refinement iterations of one update", kMaxRefine);
-  add("--max-flatten-triangles", limits.max_flatten_triangles, "Triangles of one flattening");
-  add("--max-cached-surfaces", limits.max_cached_surfaces, "Surfaces kept under a surface_key");
-  add("--max-cached-surface-bytes", limits.max_cached_surface_bytes,
-      "Bytes that the surfaces kept take together", 1e15);
-  add("--max-bytes", limits.max_bytes, "Bytes of factors and tables in memory, of all owners",
-      1e15);
-  add("--max-registrations", limits.max_registrations, "Registrations that run or wait");
-  add("--max-compilations", limits.max_compilations, "Compilations and edits that run or wait");
-  add("--max-flattenings", limits.max_flattenings, "Flattenings that run or wait");
-  add("--max-stream-fps", limits.max_stream_fps,
-      "Updates a second on one stream, 0 for any number");
-  add("--max-stream-load", limits.max_stream_load,
-      "Part of the time of --workers that admitted streams may take, 0 for any", 1.0);
-  app::OwnerLimits& owner = limits.owner;
-  add("--max-sessions-per-owner", owner.max_sessions, "Sessions of one owner");
-  add("--max-meshes-per-owner", owner.max_meshes, "Meshes of one owner, in all sessions");
-  add("--max-handle-sets-per-owner", owner.max_handle_sets,
-      "Handle sets of one owner, in all sessions");
-  add("--max-bytes-per-owner", owner.max_bytes, "Bytes of factors and tables of one owner", 1e15);
-  add("--max-streams-per-owner", owner.max_streams, "Open streams and tracks of one owner");
-  const auto add_ttl = [&](const char* name, double& value, const char* help,
-                           double largest = kMaxSeconds) {
-    app.add_option(name, value, help)
-        ->capture_default_str()
-        ->check(CLI::Range(1.0, largest))
-        ->group(kLimits);
-  };
-  add_ttl("--default-ttl-seconds", config.default_ttl_seconds,
-          "How long a session lives without use, unless it says so itself");
-  add_ttl("--max-ttl-seconds", config.max_ttl_seconds,
-          "How long a session may ask to live without use");
-  add_ttl("--max-stream-idle-seconds", config.max_stream_idle_seconds,
-          "How long a stream may say nothing");
-  add_ttl("--keepalive-seconds", config.keepalive_seconds,
-          "After how much silence a client is asked for a sign of life", kDay);
-  add_ttl("--keepalive-timeout-seconds", config.keepalive_timeout_seconds,
-          "How long it may take to give one before it is cut off", kDay);
-  add_ttl("--idle-evict-seconds", config.idle_evict_seconds,
-          "When the memory of what nobody uses is given back; it is computed again when needed");
+template <class Value>
+CLI::Option* AddValue(CLI::App& app, const LimitInfo& info, Value& value) {
+  return app.add_option("--" + FlagName(info), value, std::string(info.meaning))
+      ->capture_default_str();
 }
 
-void AddAccess(CLI::App& app, host::AccessOptions& access) {
+CLI::Option* AddValue(CLI::App& app, const LimitInfo& info, std::chrono::milliseconds& value) {
+  const auto set = [&value](double seconds) { value = Milliseconds(seconds); };
+  return app.add_option_function<double>("--" + FlagName(info), set, std::string(info.meaning))
+      ->default_str(fmt::format("{}", std::chrono::duration<double>(value).count()));
+}
+
+void AddLimits(CLI::App& app, Config& config) {
+  for (const LimitInfo& info : kLimits) {
+    VisitLimit(config.host.limits, info, [&](auto& value) {
+      AddValue(app, info, value)
+          ->check(CLI::Range(info.smallest, info.largest))
+          ->group(kLimitGroup);
+    });
+  }
+}
+
+void AddKeepalive(CLI::App& app, Config& config) {
+  const auto add = [&](const char* name, double& value, const char* help) {
+    app.add_option(name, value, help)
+        ->capture_default_str()
+        ->check(CLI::Range(1.0, kDay))
+        ->group(kLimitGroup);
+  };
+  add("--keepalive-seconds", config.keepalive_seconds,
+      "After how much silence a client is asked for a sign of life");
+  add("--keepalive-timeout-seconds", config.keepalive_timeout_seconds,
+      "How long it may take to give one before it is cut off");
+}
+
+void AddCredentials(CLI::App& app, host::CredentialOptions& options) {
   constexpr const char* kGroup = "Who may connect";
-  app.add_option("--tls-cert", access.tls.certificate,
+  app.add_option("--tls-cert", options.tls.certificate,
                  "Certificate in PEM: TCP addresses speak TLS. Read again when it changes")
       ->group(kGroup);
-  app.add_option("--tls-key", access.tls.key, "Its private key in PEM")->group(kGroup);
-  app.add_option("--tls-client-ca", access.tls.client_ca,
+  app.add_option("--tls-key", options.tls.key, "Its private key in PEM")->group(kGroup);
+  app.add_option("--tls-client-ca", options.tls.client_ca,
                  "Authorities of client certificates in PEM; the common name is the owner")
       ->group(kGroup);
-  app.add_flag("--require-client-cert", access.tls.require_client_certificate,
+  app.add_flag("--require-client-cert", options.tls.require_client_certificate,
                "Refuse connections without a client certificate")
       ->group(kGroup);
-  app.add_option("--token-file", access.token_file,
+  app.add_option("--token-file", options.token_file,
                  "Bearer tokens as `arapctl token` writes them; callers need one (or a client "
                  "certificate). Read again when it changes and at SIGHUP")
       ->group(kGroup);
-  app.add_flag(std::string("--") + host::kAllowPlaintextFlag, access.allow_plaintext,
+  app.add_flag(std::string("--") + host::kAllowPlaintextFlag, options.allow_plaintext,
                "Listen beyond this machine without TLS")
       ->group(kGroup);
-  app.add_flag(std::string("--") + host::kAllowAnyoneFlag, access.allow_anyone,
+  app.add_flag(std::string("--") + host::kAllowAnyoneFlag, options.allow_anyone,
                "Listen beyond this machine without asking who is calling")
       ->group(kGroup);
 }
@@ -121,9 +98,6 @@ void AddLanes(CLI::App& app, app::Lanes& lanes) {
                  "Threads for sessions and look-ups, which may wait for the store")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'024));
-  app.add_option("--queue", lanes.queue, "Jobs that may wait, of each kind")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1'000'000));
 }
 
 void AddStopping(CLI::App& app, Config& config) {
@@ -180,11 +154,12 @@ void AddFlags(CLI::App& app, Config& config) {
   app.add_flag("--reflection,!--no-reflection", config.host.reflection,
                "Serve the descriptions of the services (by default only where nobody but this "
                "machine reaches the server)");
-  AddAccess(app, config.host.access);
+  AddCredentials(app, config.host.credentials);
   AddStore(app, config.host.store);
   AddStopping(app, config);
   AddLogs(app, config);
   AddLimits(app, config);
+  AddKeepalive(app, config);
   app.add_flag("--check-config", config.check,
                "Check flags, environment and file, say what is wrong, and end: 0 or 2")
       ->configurable(false);

@@ -1,7 +1,7 @@
 #include "server/host/admin_http.h"
 
-#include <atomic>
 #include <charconv>
+#include <future>
 #include <thread>
 #include <utility>
 
@@ -9,6 +9,8 @@
 #include <httplib.h>
 #include <nlohmann/json.hpp>
 #include <sys/socket.h>
+
+#include "core/base/try.h"
 
 namespace arap::host {
 namespace {
@@ -63,7 +65,11 @@ Result<AdminAddress> ParseAdminAddress(const std::string& address) {
 class AdminHttp::Impl {
  public:
   explicit Impl(AdminPages pages) : pages_(std::move(pages)) {
-    server_.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
+    // The library asks for the queue when it begins to listen, once.
+    server_.new_task_queue = [this] {
+      listening_.set_value();
+      return new httplib::ThreadPool(kThreads);
+    };
     server_.set_socket_options(OwnThePort);
     server_.set_read_timeout(kPatienceSeconds);
     server_.set_write_timeout(kPatienceSeconds);
@@ -91,23 +97,19 @@ class AdminHttp::Impl {
   Impl& operator=(const Impl&) = delete;
 
   Status Start(const std::string& address) {
-    auto parsed = ParseAdminAddress(address);
-    if (!parsed) return Fail(std::move(parsed.error()));
-    int port = parsed->port;
-    const bool bound = port == 0 ? (port = server_.bind_to_any_port(parsed->host)) > 0
-                                 : server_.bind_to_port(parsed->host, port);
+    TRY(const AdminAddress parsed, ParseAdminAddress(address));
+    int port = parsed.port;
+    const bool bound = port == 0 ? (port = server_.bind_to_any_port(parsed.host)) > 0
+                                 : server_.bind_to_port(parsed.host, port);
     if (!bound) {
       Fault fault = Bad(address, "it is in use or not an address of this machine");
       fault.kind = FaultKind::kAlreadyExists;
       return Fail(std::move(fault));
     }
     address_ = address.substr(0, address.rfind(':') + 1) + std::to_string(port);
-    thread_ = std::thread([this] {
-      server_.listen_after_bind();
-      ended_ = true;
-    });
+    thread_ = std::thread([this] { server_.listen_after_bind(); });
     // A stop() before it listens would be lost.
-    while (!server_.is_running() && !ended_) std::this_thread::yield();
+    listening_.get_future().wait();
     return {};
   }
 
@@ -117,13 +119,13 @@ class AdminHttp::Impl {
   const AdminPages pages_;
   httplib::Server server_;
   std::string address_;
-  std::atomic<bool> ended_{false};
+  std::promise<void> listening_;
   std::thread thread_;
 };
 
 Result<std::unique_ptr<AdminHttp>> AdminHttp::Start(const std::string& address, AdminPages pages) {
   auto impl = std::make_unique<Impl>(std::move(pages));
-  if (auto started = impl->Start(address); !started) return Fail(std::move(started.error()));
+  CHECK_OK(impl->Start(address));
   return std::unique_ptr<AdminHttp>(new AdminHttp(std::move(impl)));
 }
 

@@ -14,6 +14,8 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "core/base/mutex.h"
+#include "core/base/try.h"
 #include "server/host/admin_http.h"
 #include "server/host/listen.h"
 #include "server/host/process_metrics.h"
@@ -66,12 +68,12 @@ std::unique_ptr<grpc::Server> Build(grpc::ServerBuilder& builder) {
 class Host::Impl {
  public:
   Impl(const HostOptions& options, std::shared_ptr<const runtime::Clock> clock,
-       std::unique_ptr<Access> access, store::Stores stores)
+       std::unique_ptr<Credentials> credentials, store::Stores stores)
       : clock_(std::move(clock)),
-        access_(std::move(access)),
+        credentials_(std::move(credentials)),
         engine_(options.limits, options.lanes, *clock_, std::move(stores)),
         readiness_(options.stuck_after, *clock_),
-        services_(rpc::MakeServices(engine_, access_->identity())),
+        services_(rpc::MakeServices(engine_, credentials_->identity())),
         listen_(options.listen) {
     // Jobs may take long.
     for (const runtime::WorkerPool* lane : {&engine_.interactive, &engine_.control}) {
@@ -87,7 +89,7 @@ class Host::Impl {
   Impl& operator=(const Impl&) = delete;
 
   app::Engine& engine() { return engine_; }
-  Access& access() { return *access_; }
+  Credentials& credentials() { return *credentials_; }
   const Readiness& readiness() const { return readiness_; }
 
   std::string admin_address() const { return admin_ ? admin_->address() : std::string(); }
@@ -102,8 +104,8 @@ class Host::Impl {
     Configure(options, builder);
     std::vector<int> ports(listen_.size(), 0);
     for (std::size_t i = 0; i < listen_.size(); ++i) {
-      if (auto ready = PrepareAddress(listen_[i]); !ready) return Fail(std::move(ready.error()));
-      builder.AddListeningPort(listen_[i], access_->CredentialsFor(listen_[i]), &ports[i]);
+      CHECK_OK(PrepareAddress(listen_[i]));
+      builder.AddListeningPort(listen_[i], credentials_->CredentialsFor(listen_[i]), &ports[i]);
     }
     for (const rpc::NamedService& service : services_) {
       builder.RegisterService(service.service.get());
@@ -125,10 +127,8 @@ class Host::Impl {
   // After Serve.
   Status ServeAdmin(const std::string& address) {
     if (address.empty()) return {};
-    auto admin = AdminHttp::Start(address, {[this] { return readiness_.Check(); },
-                                            [this] { return engine_.metrics.Text(); }});
-    if (!admin) return Fail(std::move(admin.error()));
-    admin_ = *std::move(admin);
+    TRY(admin_, AdminHttp::Start(address, {[this] { return readiness_.Check(); },
+                                           [this] { return engine_.metrics.Text(); }}));
     return {};
   }
 
@@ -158,7 +158,7 @@ class Host::Impl {
   void RefreshHealth() {
     readiness_.Probe();
     const Verdict verdict = readiness_.Check();
-    const std::lock_guard lock(health_mutex_);
+    const MutexLock lock(&health_mutex_);
     if (verdict.state != said_) {
       spdlog::log(verdict.ready() ? spdlog::level::info : spdlog::level::warn,
                   "event=readiness state={} why=\"{}\"", StateName(verdict.state), verdict.why);
@@ -169,7 +169,7 @@ class Host::Impl {
 
   void Drain() {
     readiness_.Drain();
-    const std::lock_guard lock(health_mutex_);
+    const MutexLock lock(&health_mutex_);
     said_ = Verdict::State::kDraining;
     Serving(false);
   }
@@ -198,8 +198,7 @@ class Host::Impl {
   }
 
  private:
-  // With health_mutex_ held.
-  void Serving(bool serving) {
+  void Serving(bool serving) ABSL_EXCLUSIVE_LOCKS_REQUIRED(health_mutex_) {
     auto* health = server_ ? server_->GetHealthCheckService() : nullptr;
     if (health != nullptr) health->SetServingStatus(serving);
   }
@@ -218,15 +217,15 @@ class Host::Impl {
 
   // Destroyed from the bottom up: the server before its services before what they work on.
   const std::shared_ptr<const runtime::Clock> clock_;
-  const std::unique_ptr<Access> access_;
+  const std::unique_ptr<Credentials> credentials_;
   app::Engine engine_;
   Readiness readiness_;
   const std::vector<rpc::NamedService> services_;
   const std::vector<std::string> listen_;
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<AdminHttp> admin_;
-  std::mutex health_mutex_;  // what is said to grpc.health follows the order of what is found
-  Verdict::State said_ = Verdict::State::kReady;  // guarded by health_mutex_
+  Mutex health_mutex_;  // what is said to grpc.health follows the order of what is found
+  Verdict::State said_ ABSL_GUARDED_BY(health_mutex_) = Verdict::State::kReady;
   std::unique_ptr<runtime::Ticker> health_ticker_;
   // Of the thread that sweeps.
   std::size_t sweeps_ = 0;
@@ -238,20 +237,18 @@ class Host::Impl {
 Result<std::unique_ptr<Host>> Host::Start(HostOptions options) {
   std::shared_ptr<const runtime::Clock> clock = options.clock;
   if (!clock) clock = std::make_shared<runtime::SystemClock>();
-  auto access = Access::Open(options.access, options.listen, options.limits.owner, clock);
-  if (!access) return Fail(std::move(access.error()));
+  TRY(auto credentials,
+      Credentials::Open(options.credentials, options.listen, options.limits.owner, clock));
   options.store.on_recovery = LogRecovery;
-  auto stores = store::OpenStores(options.store);
-  if (!stores) return Fail(std::move(stores.error()));
-  if (stores->recovery) LogRecovery(*stores->recovery);
+  TRY(auto stores, store::OpenStores(options.store));
+  if (stores.recovery) LogRecovery(*stores.recovery);
   auto impl =
-      std::make_unique<Impl>(options, std::move(clock), *std::move(access), *std::move(stores));
-  auto addresses = impl->Serve(options);
-  if (!addresses) return Fail(std::move(addresses.error()));
-  if (auto admin = impl->ServeAdmin(options.admin); !admin) return Fail(std::move(admin.error()));
+      std::make_unique<Impl>(options, std::move(clock), std::move(credentials), std::move(stores));
+  TRY(auto addresses, impl->Serve(options));
+  CHECK_OK(impl->ServeAdmin(options.admin));
   impl->StartHealth();
   impl->StartSweeping(options.sweep);
-  return std::unique_ptr<Host>(new Host(std::move(impl), *std::move(addresses)));
+  return std::unique_ptr<Host>(new Host(std::move(impl), std::move(addresses)));
 }
 
 Host::Host(std::unique_ptr<Impl> impl, std::vector<std::string> addresses)
@@ -263,7 +260,7 @@ std::string Host::admin_address() const { return impl_->admin_address(); }
 
 app::Engine& Host::engine() { return impl_->engine(); }
 
-Access& Host::access() { return impl_->access(); }
+Credentials& Host::credentials() { return impl_->credentials(); }
 
 const Readiness& Host::readiness() const { return impl_->readiness(); }
 

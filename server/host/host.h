@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "arap/base/result.h"
-#include "server/budget/limits.h"
+#include "arap/model/limits.h"
 #include "server/engine.h"
-#include "server/host/access.h"
+#include "server/host/credentials.h"
 #include "server/host/readiness.h"
 #include "server/runtime/clock.h"
 
@@ -18,9 +18,9 @@ namespace arap::host {
 
 struct HostOptions {
   std::vector<std::string> listen = {"127.0.0.1:50051"};  // see listen.h
-  app::Limits limits;
+  Limits limits;
   app::Lanes lanes;
-  AccessOptions access;
+  CredentialOptions credentials;
   // Unless said: when only this machine reaches the server.
   std::optional<bool> reflection;
   // After this much silence a client is asked for a sign of life, and it is cut off when it gives
@@ -39,7 +39,7 @@ struct HostOptions {
 class Host {
  public:
   // Serves when it returns. The ports are this process's alone: a taken port is a fault. Faults:
-  // kInvalidOption and kAlreadyExists with the address, and those of Access::Open.
+  // kInvalidOption and kAlreadyExists with the address, and those of Credentials::Open.
   static Result<std::unique_ptr<Host>> Start(HostOptions options);
 
   // Stops without grace.
@@ -56,7 +56,7 @@ class Host {
   // What the services work on.
   app::Engine& engine();
   // Who may use them.
-  Access& access();
+  Credentials& credentials();
   // What /readyz answers.
   const Readiness& readiness() const;
 

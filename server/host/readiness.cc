@@ -33,24 +33,24 @@ void Readiness::WatchLane(std::string name, LaneStats stats) {
 void Readiness::Probe() {
   if (!probe_) return;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
     probing_since_ = clock_.SteadyNow();
   }
   const Status answer = probe_();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   probing_since_.reset();
   // The kind and not the message, which may name addresses and paths.
   store_fault_ = answer ? "" : fmt::format("The store fails: {}.", FaultName(answer.error().kind));
 }
 
 void Readiness::Drain() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   draining_ = true;
 }
 
 Verdict Readiness::Check() const {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
     if (draining_) return {Verdict::State::kDraining, "The server is going away."};
   }
   const Seconds patience = stuck_after_;
@@ -67,7 +67,7 @@ Verdict Readiness::Check() const {
                           stats.waiting, lane.name, stalled.count())};
     }
   }
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   if (probing_since_ && clock_.SteadyNow() - *probing_since_ > stuck_after_) {
     return {Verdict::State::kStore, "The store does not answer."};
   }

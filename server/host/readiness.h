@@ -3,12 +3,12 @@
 
 #include <chrono>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "arap/base/result.h"
+#include "core/base/mutex.h"
 #include "server/runtime/clock.h"
 #include "server/runtime/worker_pool.h"
 
@@ -64,11 +64,11 @@ class Readiness {
   const runtime::Clock& clock_;
   std::vector<Lane> lanes_;
   std::function<Status()> probe_;
-  mutable std::mutex mutex_;
-  // Guarded by mutex_.
-  bool draining_ = false;
-  std::optional<runtime::Clock::Steady> probing_since_;
-  std::string store_fault_;  // empty: the last probe was good
+  mutable Mutex mutex_;
+  bool draining_ ABSL_GUARDED_BY(mutex_) = false;
+  std::optional<runtime::Clock::Steady> probing_since_ ABSL_GUARDED_BY(mutex_);
+  // Empty: the last probe was good.
+  std::string store_fault_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace arap::host

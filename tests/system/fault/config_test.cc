@@ -75,7 +75,7 @@ TEST_F(ConfigTest, FlagBeatsEnvironmentBeatsFileBeatsDefault) {
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->config.host.lanes.workers, 33u);
   EXPECT_EQ(read->config.host.lanes.job_workers, 22u);
-  EXPECT_EQ(read->config.host.lanes.queue, 11u);
+  EXPECT_EQ(read->config.host.limits.max_queued_jobs, 11u);
   EXPECT_EQ(read->config.host.reflection, false);
   EXPECT_THAT(read->config.host.listen, ::testing::ElementsAre("127.0.0.1:1", "127.0.0.1:2"));
   EXPECT_EQ(Setting(*read, "workers"), "33 flag");
@@ -90,7 +90,7 @@ TEST_F(ConfigTest, EnvironmentNamesTheFileListsAndSwitches) {
   const auto read = config::Read({}, {"ARAPD_CONFIG=" + file, "ARAPD_LISTEN=unix:/a,127.0.0.1:0",
                                       "ARAPD_REFLECTION=true", "ARAPD_QUEUE="});
   ASSERT_TRUE(read) << read.error().message;
-  EXPECT_EQ(read->config.host.lanes.queue, 11u) << "an empty variable says nothing";
+  EXPECT_EQ(read->config.host.limits.max_queued_jobs, 11u) << "an empty variable says nothing";
   EXPECT_TRUE(read->config.host.admin.empty());
   EXPECT_EQ(read->config.host.reflection, true);
   EXPECT_THAT(read->config.host.listen, ::testing::ElementsAre("unix:/a", "127.0.0.1:0"));

@@ -11,6 +11,7 @@
 
 #include "server/host/admin_http.h"
 #include "server/runtime/metrics.h"
+#include "tests/support/await.h"
 #include "tests/system/wire/http_get.h"
 #include "tests/system/wire/wire_fixture.h"
 
@@ -18,17 +19,6 @@ namespace arap::wire {
 namespace {
 
 using ::testing::HasSubstr;
-
-// A whole minute before a test gives up on something that should happen at once.
-template <class Condition>
-bool Eventually(const Condition& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(1);
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::yield();
-  }
-  return true;
-}
 
 class AdminTest : public WireTest {
  protected:
@@ -170,22 +160,32 @@ TEST_F(AdminTest, StuckLaneIsNotReadyUntilItMoves) {
   const std::string address = host().addresses().front();
   {
     PoolGate gate(host().engine().interactive);
-    EXPECT_TRUE(Eventually([&] { return Ready() == "503 stuck"; }));
+    EXPECT_TRUE(testing::Await("503 stuck", [&] { return Ready() == "503 stuck"; }));
     EXPECT_THAT(Get("/readyz").body, HasSubstr("interactive"));
     EXPECT_EQ(Get("/healthz").status, 200);
     host().RefreshHealth();
     EXPECT_EQ(Health(address), "\x08\x02");
   }
-  EXPECT_TRUE(Eventually([&] { return Ready() == "200 ready"; }));
+  EXPECT_TRUE(testing::Await("200 ready", [&] { return Ready() == "200 ready"; }));
   host().RefreshHealth();
   EXPECT_EQ(Health(address), "\x08\x01");
+}
+
+TEST_F(AdminTest, JobsGiveWayToFramesAndYetEnd) {
+  options().lanes = {1, 1};
+  SetUpCorners();
+  EXPECT_THAT(Get("/metrics").body, HasSubstr("arapd_gave_way_total{lane=\"jobs\"} 0\n"));
+  PoolGate gate(host().engine().interactive);
+  EXPECT_TRUE(Register("s", "n", Grid(3, 3)).ok());
+  EXPECT_GT(host().engine().jobs.stats().gave_way, 0u);
 }
 
 TEST_F(AdminTest, LongJobsAreNotStuck) {
   options().stuck_after = std::chrono::milliseconds(1);
   PoolGate gate(host().engine().jobs);
   const auto& jobs = host().engine().jobs;
-  EXPECT_TRUE(Eventually([&] { return jobs.stats().oldest_running.count() > 0.01; }));
+  EXPECT_TRUE(
+      testing::Await("the job is old", [&] { return jobs.stats().oldest_running.count() > 0.01; }));
   EXPECT_EQ(Ready(), "200 ready");
 }
 

@@ -19,13 +19,13 @@ class BrokenCertificateTest : public WireTest {
  protected:
   BrokenCertificateTest() {
     Serve(authority_.Issue("server"));
-    options().access.tls.refresh_seconds = 1;
+    options().credentials.tls.refresh_seconds = 1;
     with_.root_certificates = folder_.Put("authority.pem", authority_.certificate());
   }
 
   void Serve(const Credential& own) {
-    options().access.tls.certificate = folder_.Put("server.pem", own.certificate);
-    options().access.tls.key = folder_.Put("server.key", own.key);
+    options().credentials.tls.certificate = folder_.Put("server.pem", own.certificate);
+    options().credentials.tls.key = folder_.Put("server.key", own.key);
   }
   // A connection of its own.
   Result<client::Client> Connect() {
@@ -48,11 +48,11 @@ TEST_F(BrokenCertificateTest, WhatCannotBeUsedLeavesThingsAsTheyWere) {
        {Credential{whole.certificate, whole.key.substr(0, whole.key.size() / 2)},
         Credential{"", whole.key}, Credential{whole.certificate, other.key}}) {
     Serve(broken);
-    EXPECT_FALSE(host().access().Reload());
+    EXPECT_FALSE(host().credentials().Reload());
     EXPECT_TRUE(before.GetServerInfo());
     EXPECT_TRUE(Serves());
     Serve(whole);
-    EXPECT_TRUE(host().access().Reload());
+    EXPECT_TRUE(host().credentials().Reload());
     EXPECT_TRUE(Serves());
   }
 }

@@ -9,9 +9,9 @@
 #include <arap/v1/server_service.grpc.pb.h>
 #include <grpcpp/grpcpp.h>
 
-#include "server/host/credentials.h"
+#include "server/host/tls.h"
 #include "server/rpc/status_map.h"
-#include "server/runtime/fake_clock.h"
+#include "tests/support/fake_clock.h"
 #include "tests/system/wire/authority.h"
 #include "tests/system/wire/token_fixture.h"
 #include "tests/system/wire/wire_fixture.h"

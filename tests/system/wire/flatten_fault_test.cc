@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "core/mesh/space.h"
+#include "tests/support/await.h"
 #include "tests/support/surfaces.h"
 #include "tests/system/wire/flatten_fixture.h"
 
@@ -241,7 +242,8 @@ TEST_F(FlattenFaultTest, MeshLimitsHoldToo) {
 }
 
 TEST_F(FlattenFaultTest, DeadlineOfAWaitingCall) {
-  options().lanes = {1, 1, 4};
+  options().lanes = {1, 1};
+  options().limits.max_queued_jobs = 4;
   PoolGate gate(host().engine().jobs);
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(1));
@@ -253,7 +255,8 @@ TEST_F(FlattenFaultTest, DeadlineOfAWaitingCall) {
 }
 
 TEST_F(FlattenFaultTest, CancelledCallsLeaveTheLane) {
-  options().lanes = {1, 1, 4};
+  options().lanes = {1, 1};
+  options().limits.max_queued_jobs = 4;
   // Long enough that nobody would wait for its end.
   v1::FlattenRequest request = RequestFor(testing::SphereCap(120, 200, 1.8));
   request.set_refine(1000);
@@ -265,10 +268,12 @@ TEST_F(FlattenFaultTest, CancelledCallsLeaveTheLane) {
     v1::FlattenResponse response;
     grpc::Status status;
     std::thread call([&] { status = flattening().Flatten(&context, request, &response); });
-    while (host().engine().jobs.waiting() == 0) std::this_thread::yield();
+    ASSERT_TRUE(
+        testing::Await("the job waits", [&] { return host().engine().jobs.waiting() > 0; }));
     if (!waiting) {
       gate.Open();
-      while (host().engine().jobs.waiting() > 0) std::this_thread::yield();
+      ASSERT_TRUE(
+          testing::Await("the job runs", [&] { return host().engine().jobs.waiting() == 0; }));
     }
     context.TryCancel();
     call.join();

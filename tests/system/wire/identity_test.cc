@@ -11,6 +11,7 @@
 #include <spdlog/spdlog.h>
 
 #include "arap/client/client.h"
+#include "tests/support/await.h"
 #include "tests/system/wire/authority.h"
 #include "tests/system/wire/token_fixture.h"
 #include "tests/system/wire/wire_fixture.h"
@@ -26,14 +27,14 @@ class IdentityTest : public WireTest {
  protected:
   void TakeTokens() {
     folder_.PutTokens({alice_.Entry(), bob_.Entry()});
-    options().access.token_file = folder_.tokens();
-    options().access.refresh = std::chrono::hours(1);
+    options().credentials.token_file = folder_.tokens();
+    options().credentials.refresh = std::chrono::hours(1);
   }
   void ServeTls(const Authority& authority) {
     const Credential own = authority.Issue("server");
-    options().access.tls.certificate = folder_.Put("server.pem", own.certificate);
-    options().access.tls.key = folder_.Put("server.key", own.key);
-    options().access.tls.refresh_seconds = 1;
+    options().credentials.tls.certificate = folder_.Put("server.pem", own.certificate);
+    options().credentials.tls.key = folder_.Put("server.key", own.key);
+    options().credentials.tls.refresh_seconds = 1;
   }
 
   std::string address() { return host().addresses().front(); }
@@ -157,7 +158,7 @@ TEST_F(IdentityTest, StreamsUnderARevokedTokenEnd) {
   client::DeformStream alices = Open(SetUp(ConnectAs(alice_)));
   client::DeformStream bobs = Open(SetUp(ConnectAs(bob_)));
   folder_.PutTokens({bob_.Entry()});
-  ASSERT_TRUE(host().access().Reload());
+  ASSERT_TRUE(host().credentials().Reload());
   const auto event = alices.Read();
   ASSERT_FALSE(event);
   EXPECT_EQ(event.error().kind, FaultKind::kUnauthenticated);
@@ -167,13 +168,14 @@ TEST_F(IdentityTest, StreamsUnderARevokedTokenEnd) {
   EXPECT_EQ(again.error().kind, FaultKind::kUnauthenticated);
   // A file that cannot be used changes nothing.
   folder_.Put("tokens.json", "{");
-  EXPECT_FALSE(host().access().Reload());
+  EXPECT_FALSE(host().credentials().Reload());
   ExpectAlive(bobs);
 }
 
 TEST_F(IdentityTest, TracksUnderARevokedTokenEnd) {
   TakeTokens();
-  options().lanes = {1, 1, 8};
+  options().lanes = {1, 1};
+  options().limits.max_queued_jobs = 8;
   const client::Session session = SetUp(ConnectAs(alice_));
   PoolGate gate(host().engine().jobs);
   Status ended;
@@ -182,10 +184,11 @@ TEST_F(IdentityTest, TracksUnderARevokedTokenEnd) {
     const std::vector<client::TrackFrame> frames(100, {{0, 0, 2, 0}, {}, {}});
     ended = session.DeformTrack("set", ids, frames, {}, [](client::Shape&&) { return true; });
   });
-  while (host().engine().streams.count() == 0) std::this_thread::yield();
+  ASSERT_TRUE(
+      testing::Await("the call is open", [&] { return host().engine().streams.count() > 0; }));
   folder_.PutTokens({bob_.Entry()});
   // The track may still be on its way from being counted to being watched; then it is told at once.
-  ASSERT_TRUE(host().access().Reload());
+  ASSERT_TRUE(host().credentials().Reload());
   gate.Open();
   caller.join();
   ASSERT_FALSE(ended);
@@ -194,7 +197,7 @@ TEST_F(IdentityTest, TracksUnderARevokedTokenEnd) {
 
 TEST_F(IdentityTest, ChangedTokenFileIsTakenByItself) {
   TakeTokens();
-  options().access.refresh = std::chrono::milliseconds(5);
+  options().credentials.refresh = std::chrono::milliseconds(5);
   client::DeformStream alices = Open(SetUp(ConnectAs(alice_)));
   folder_.PutTokens({bob_.Entry()});
   const auto event = alices.Read();  // waits for it
@@ -205,7 +208,7 @@ TEST_F(IdentityTest, ChangedTokenFileIsTakenByItself) {
 TEST_F(IdentityTest, StreamsEndWhenTheirTokenExpires) {
   TakeTokens();
   folder_.PutTokens({alice_.Entry(R"("expires": "2023-11-14T22:13:30Z")")});
-  options().access.refresh = std::chrono::milliseconds(5);
+  options().credentials.refresh = std::chrono::milliseconds(5);
   client::DeformStream alices = Open(SetUp(ConnectAs(alice_)));
   ExpectAlive(alices);
   clock().Advance(seconds(10));
@@ -235,7 +238,7 @@ TEST_F(IdentityTest, ClientLibraryUsesTlsTokenAndCertificate) {
   const Authority authority("ours"), clients("clients");
   ServeTls(authority);
   TakeTokens();
-  options().access.tls.client_ca = folder_.Put("clients.pem", clients.certificate());
+  options().credentials.tls.client_ca = folder_.Put("clients.pem", clients.certificate());
   client::ConnectOptions with;
   with.root_certificates = folder_.Put("ours.pem", authority.certificate());
   const auto nobody = Connect(with)->CreateSession();
@@ -299,8 +302,8 @@ TEST_F(IdentityTest, NetworkIsNotServedByMistake) {
   EXPECT_EQ(open.error().kind, FaultKind::kPermissionDenied);
   TakeTokens();
   EXPECT_TRUE(host::Host::Start(options()));
-  options().access = {};
-  options().access.allow_plaintext = true;
+  options().credentials = {};
+  options().credentials.allow_plaintext = true;
   EXPECT_TRUE(host::Host::Start(options()));
 }
 
@@ -322,9 +325,9 @@ TEST_F(IdentityTest, LogHoldsNoSecret) {
   const auto refused = Connect(with)->CreateSession();
   ASSERT_FALSE(refused);
   folder_.PutTokens({bob_.Entry(), bob_.Entry()});
-  EXPECT_FALSE(host().access().Reload());
+  EXPECT_FALSE(host().credentials().Reload());
   folder_.PutTokens({bob_.Entry()});
-  EXPECT_TRUE(host().access().Reload());
+  EXPECT_TRUE(host().credentials().Reload());
   EXPECT_FALSE(stream.Read());
   host().Stop(std::chrono::seconds(10));
   spdlog::set_default_logger(before);

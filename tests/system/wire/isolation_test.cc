@@ -27,8 +27,8 @@ class IsolationTest : public WireTest {
  protected:
   IsolationTest() {
     folder_.PutTokens({alice_.Entry(), bob_.Entry(), admin_.Entry()});
-    options().access.token_file = folder_.tokens();
-    options().access.refresh = std::chrono::hours(1);
+    options().credentials.token_file = folder_.tokens();
+    options().credentials.refresh = std::chrono::hours(1);
   }
 
   grpc::Status As(const TestToken& token, const Access& access, const Names& names) {

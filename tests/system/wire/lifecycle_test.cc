@@ -10,6 +10,7 @@
 
 #include "server/host/listen.h"
 #include "server/version.h"
+#include "tests/support/await.h"
 #include "tests/system/wire/wire_fixture.h"
 
 namespace arap::wire {
@@ -49,7 +50,8 @@ TEST_F(LifecycleTest, HealthKnowsTheServices) {
 }
 
 TEST_F(LifecycleTest, FullQueueIsRefusedAndTriedAgain) {
-  options().lanes = {1, 1, 4};
+  options().lanes = {1, 1};
+  options().limits.max_queued_jobs = 4;
   SetUpCorners();
   const std::vector<v1::HandleTarget> targets = {TargetAt("a", 0, 0), TargetAt("b", 4, 0),
                                                  TargetAt("c", 0, 4)};
@@ -64,13 +66,14 @@ TEST_F(LifecycleTest, FullQueueIsRefusedAndTriedAgain) {
       }
       ExpectError(call(), grpc::RESOURCE_EXHAUSTED, "OVERLOADED");
     }
-    while (lane->waiting() > 0) std::this_thread::yield();
+    ASSERT_TRUE(testing::Await("the lane is empty", [&] { return lane->waiting() == 0; }));
     EXPECT_TRUE(call().ok());
   }
 }
 
 TEST_F(LifecycleTest, BusyJobsDoNotDelayADrag) {
-  options().lanes = {1, 1, 4};
+  options().lanes = {1, 1};
+  options().limits.max_queued_jobs = 4;
   SetUpCorners();
   PoolGate gate(host().engine().jobs);
   EXPECT_TRUE(
@@ -91,7 +94,8 @@ TEST_F(LifecycleTest, DrainTellsOpenStreams) {
 }
 
 TEST_F(LifecycleTest, DrainLetsTheFrameInWorkOut) {
-  options().lanes = {1, 1, 4};
+  options().lanes = {1, 1};
+  options().limits.max_queued_jobs = 4;
   SetUpCorners();
   DeformStream stream(deformation());
   stream.Opened("s", "h", v1::DELIVERY_EVERY);
@@ -120,7 +124,8 @@ TEST_F(LifecycleTest, DrainEndsTracks) {
   grpc::ClientContext context;
   SetDeadline(context);
   const auto reader = deformation().DeformTrack(&context, request);
-  while (host().engine().streams.count() == 0) std::this_thread::yield();
+  ASSERT_TRUE(
+      testing::Await("the call is open", [&] { return host().engine().streams.count() > 0; }));
   host().engine().streams.Drain();
   gate.Open();
   v1::DeformTrackResponse response;
@@ -129,12 +134,13 @@ TEST_F(LifecycleTest, DrainEndsTracks) {
 }
 
 TEST_F(LifecycleTest, StopRunsWhatWasAcceptedAndMayBeRepeated) {
-  options().lanes = {1, 1, 4};
+  options().lanes = {1, 1};
+  options().limits.max_queued_jobs = 4;
   SetUpCorners();
   PoolGate gate(host().engine().jobs);
   grpc::Status status;
   std::thread caller([&] { status = Register("s", "m2", Grid(3, 3)); });
-  while (host().engine().jobs.waiting() == 0) std::this_thread::yield();
+  ASSERT_TRUE(testing::Await("the job waits", [&] { return host().engine().jobs.waiting() > 0; }));
   std::thread stopper([&] { host().Stop(std::chrono::minutes(1)); });
   gate.Open();
   stopper.join();

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "server/engine.h"
+#include "tests/support/await.h"
 #include "tests/system/wire/wire_fixture.h"
 
 namespace arap::wire {
@@ -34,7 +35,7 @@ TEST_F(LimitsTest, AreToldWithTheirNumbers) {
   limits.max_stream_fps = 10.5;
   limits.max_stream_idle = seconds(11);
   limits.max_stream_load = 0.5;
-  options().lanes.queue = 12;
+  limits.max_queued_jobs = 12;
   grpc::ClientContext context;
   v1::GetServerInfoResponse response;
   ASSERT_TRUE(server().GetServerInfo(&context, {}, &response).ok());
@@ -93,11 +94,13 @@ TEST_F(LimitsTest, BytesOfAMessage) {
 
 TEST_F(LimitsTest, JobsOfOneKind) {
   options().limits.max_registrations = 1;
-  options().lanes = {1, 1, 8};
+  options().lanes = {1, 1};
+  options().limits.max_queued_jobs = 8;
   SetUpCorners();
   PoolGate gate(host().engine().jobs);
   std::thread first([&] { EXPECT_TRUE(Register("s", "n", Grid(3, 3)).ok()); });
-  while (host().engine().registrations.inside() == 0) std::this_thread::yield();
+  ASSERT_TRUE(testing::Await("the registration has begun",
+                             [&] { return host().engine().registrations.inside() > 0; }));
   ExpectQuota(Register("s", "o", Grid(3, 3)), "max_registrations");
   gate.Open();
   first.join();
@@ -133,7 +136,8 @@ TEST_F(LimitsTest, FramesPerSecondAreAnsweredInTheStream) {
 
 TEST_F(LimitsTest, StreamsThatWakeUpAreAdmittedAgain) {
   options().limits.max_stream_load = 1e-6;
-  options().lanes = {1, 1, 16};
+  options().lanes = {1, 1};
+  options().limits.max_queued_jobs = 16;
   SetUpCorners();
   DeformStream sleeper(deformation()), busy(deformation());
   sleeper.Opened("s", "h", v1::DELIVERY_LATEST);
@@ -177,7 +181,8 @@ TEST_F(LimitsTest, IdleStreamsEnd) {
 }
 
 TEST_F(LimitsTest, WhatWasEvictedIsBuiltAgainOnTheJobLane) {
-  options().lanes = {1, 1, 8};
+  options().lanes = {1, 1};
+  options().limits.max_queued_jobs = 8;
   SetUpCorners();
   v1::DeformResponse before, after;
   ASSERT_TRUE(Deform("s", "h", Targets(), &before).ok());

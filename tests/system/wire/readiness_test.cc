@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/runtime/fake_clock.h"
+#include "tests/support/fake_clock.h"
 
 namespace arap::host {
 namespace {

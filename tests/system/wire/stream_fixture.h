@@ -11,7 +11,8 @@ namespace arap::wire {
 class StreamTest : public WireTest {
  protected:
   void SetUp() override {
-    options().lanes = {1, 1, 16};
+    options().lanes = {1, 1};
+    options().limits.max_queued_jobs = 16;
     SetUpCorners();
   }
 

@@ -19,8 +19,8 @@
 #include <gtest/gtest.h>
 
 #include "server/host/host.h"
-#include "server/runtime/fake_clock.h"
 #include "server/runtime/worker_pool.h"
+#include "tests/support/fake_clock.h"
 
 namespace arap::wire {
 

@@ -1,24 +1,44 @@
-// Reading: the command line is parsed once to see which flags it has; what the environment says of
-// the others is added to it, and the file fills in the rest. (By itself CLI11 lets the file win
-// over the environment.)
+#include "server/config/config.h"
+
 #include <algorithm>
 #include <cctype>
 #include <map>
 #include <memory>
 #include <set>
 #include <sstream>
+#include <string_view>
 #include <thread>
 #include <utility>
 
-#include "server/config/config.h"
 #include "server/config/flags.h"
-#include "server/config/state_dir.h"
 
 namespace arap::config {
 namespace {
 
 constexpr const char* kPrefix = "ARAPD_";
 constexpr const char* kConfigFlag = "--config";
+
+std::string_view Find(const std::vector<std::string>& environment, const std::string& name) {
+  for (const std::string_view entry : environment) {
+    if (entry.starts_with(name + "=")) return entry.substr(name.size() + 1);
+  }
+  return {};
+}
+
+// Where sessions are kept unless told otherwise: the first that is there of $STATE_DIRECTORY (as
+// systemd gives it), $XDG_STATE_HOME/arapd and $HOME/.local/state/arapd; else /var/lib/arapd.
+std::string StateDirectory(const std::vector<std::string>& environment) {
+  // Systemd may name several, with colons between them.
+  const std::string_view given = Find(environment, "STATE_DIRECTORY");
+  if (!given.empty()) return std::string(given.substr(0, given.find(':')));
+  if (const auto state = Find(environment, "XDG_STATE_HOME"); !state.empty()) {
+    return std::string(state) + "/arapd";
+  }
+  if (const auto home = Find(environment, "HOME"); !home.empty()) {
+    return std::string(home) + "/.local/state/arapd";
+  }
+  return "/var/lib/arapd";
+}
 
 // A parser with its own copy of what it fills.
 struct Parser {
@@ -106,6 +126,9 @@ Result<Outcome> Said(const CLI::App& app, const CLI::ParseError& error) {
 
 }  // namespace
 
+// Reading: the command line is parsed once to see which flags it has; what the environment says of
+// the others is added to it, and the file fills in the rest. (By itself CLI11 lets the file win
+// over the environment.)
 Result<Outcome> Read(const std::vector<std::string>& arguments,
                      const std::vector<std::string>& environment) {
   const auto variables = OurVariables(environment);
@@ -153,16 +176,33 @@ Result<Outcome> Read(const std::vector<std::string>& arguments,
   }
   Config& config = parser.config;
   config.host.stuck_after = Milliseconds(config.stuck_seconds);
-  config.host.limits.max_ttl = Milliseconds(config.max_ttl_seconds);
-  config.host.limits.default_ttl =
-      std::min(Milliseconds(config.default_ttl_seconds), config.host.limits.max_ttl);
-  config.host.limits.max_stream_idle = Milliseconds(config.max_stream_idle_seconds);
-  config.host.limits.idle_evict = Milliseconds(config.idle_evict_seconds);
+  Limits& limits = config.host.limits;
+  limits.default_ttl = std::min(limits.default_ttl, limits.max_ttl);
   config.host.keepalive = Milliseconds(config.keepalive_seconds);
   config.host.keepalive_timeout = Milliseconds(config.keepalive_timeout_seconds);
   if (config.no_admin) config.host.admin.clear();
   outcome.config = config;
   return outcome;
+}
+
+std::string Redacted(const std::string& value) {
+  const std::size_t scheme = value.find("://");
+  if (scheme == std::string::npos) return value;
+  const std::size_t begin = scheme + 3;
+  const std::size_t end = std::min(value.find_first_of("/?#,", begin), value.size());
+  // The last @ before the path: a password may hold one.
+  const std::size_t at = value.rfind('@', end);
+  if (at == std::string::npos || at < begin || at >= end) {
+    // A slash in a password would end the host too early.
+    return value.find('@', begin) == std::string::npos ? value : value.substr(0, begin) + "***";
+  }
+  const std::size_t colon = value.find(':', begin);
+  const std::size_t word = colon < at ? colon + 1 : begin;
+  return value.substr(0, word) + "***" + value.substr(at);
+}
+
+std::chrono::milliseconds Milliseconds(double seconds) {
+  return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1e3));
 }
 
 }  // namespace arap::config
