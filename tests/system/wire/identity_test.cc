@@ -20,8 +20,8 @@ namespace arap::wire {
 namespace {
 
 using std::chrono::seconds;
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 class IdentityTest : public WireTest {
  protected:

@@ -30,7 +30,7 @@ struct OwnerLimits {
 
 // Their meanings are in kLimits.
 struct Limits {
-  OwnerLimits owner;
+  OwnerLimits owner = {};
   std::size_t max_sessions = 10'000;
   std::size_t max_meshes_per_session = 16;
   std::size_t max_handle_sets_per_session = 64;
