@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/runtime/fake_clock.h"
 #include "server/streams/stream_policy.h"
+#include "tests/support/fake_clock.h"
 
 namespace arap::testing {
 

@@ -1,7 +1,7 @@
 // What ends a stream, and what it leaves.
 #include <chrono>
-#include <thread>
 
+#include "tests/support/await.h"
 #include "tests/system/wire/stream_fixture.h"
 
 namespace arap::wire {
@@ -58,7 +58,8 @@ TEST_F(StreamTest, CancelledStreamIsForgotten) {
     stream.Cancel();
   }
   EXPECT_EQ(stream.Finish().error_code(), grpc::CANCELLED);
-  while (host().engine().streams.count() > 0) std::this_thread::yield();
+  ASSERT_TRUE(
+      testing::Await("the stream is gone", [&] { return host().engine().streams.count() == 0; }));
   EXPECT_TRUE(Deform("s", "h", Moved(0)).ok());
 }
 

@@ -1,7 +1,7 @@
 // Streams on a server that is full.
 #include <future>
-#include <thread>
 
+#include "tests/support/await.h"
 #include "tests/system/wire/stream_fixture.h"
 
 namespace arap::wire {
@@ -21,7 +21,8 @@ TEST_F(StreamTest, FullQueueIsAnsweredInTheStream) {
     EXPECT_EQ(error.sequence(), 1u);
     ExpectError(error.status(), grpc::RESOURCE_EXHAUSTED, "OVERLOADED");
   }
-  while (host().engine().jobs.waiting() > 0) std::this_thread::yield();
+  ASSERT_TRUE(
+      testing::Await("the lane is empty", [&] { return host().engine().jobs.waiting() == 0; }));
   stream.Send(Edit(2, {}, {wide}));
   EXPECT_EQ(stream.ReadShape().sequence(), 2u);
 }
@@ -37,7 +38,8 @@ TEST_F(StreamTest, FramesGoBeforeTheCallsOfOthers) {
     }
     const std::size_t waiting = host().engine().interactive.waiting();
     stream.Update(1, Moved(1));
-    while (host().engine().interactive.waiting() == waiting) std::this_thread::yield();
+    ASSERT_TRUE(testing::Await("the update waits",
+                               [&] { return host().engine().interactive.waiting() > waiting; }));
   }
   EXPECT_EQ(stream.ReadShape().sequence(), 1u) << "the queue is full, and no call has ended yet";
   go.set_value();
@@ -77,7 +79,8 @@ TEST_F(StreamQuotaTest, OpenStreams) {
   first.HalfClose();
   EXPECT_FALSE(first.Read().has_value());
   EXPECT_TRUE(first.Finish().ok());
-  while (host().engine().streams.count() > 0) std::this_thread::yield();
+  ASSERT_TRUE(
+      testing::Await("the stream is gone", [&] { return host().engine().streams.count() == 0; }));
   DeformStream third(deformation());
   third.Opened("s", "h", v1::DELIVERY_LATEST);
 }
