@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "server/sessions/names.h"
+#include "server/budget/faults.h"
 
 namespace arap::app {
 

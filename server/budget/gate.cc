@@ -1,6 +1,6 @@
 #include "server/budget/gate.h"
 
-#include "server/sessions/names.h"
+#include "server/budget/faults.h"
 
 namespace arap::app {
 

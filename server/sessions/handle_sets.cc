@@ -49,13 +49,6 @@ Status CheckMesh(const store::SessionRecord& record, const MeshEntry& mesh) {
   return {};
 }
 
-Status CheckOwnerRoom(Engine& engine, const Caller& caller) {
-  auto usage = engine.stores.specs->UsageOf(caller.owner);
-  if (!usage) return Fail(std::move(usage.error()));
-  if (usage->handle_sets < caller.limits.max_handle_sets) return {};
-  return Fail(QuotaFull("max_handle_sets_per_owner", caller.limits.max_handle_sets));
-}
-
 // The core numbers the added handles as "handles[i]"; in an edit they are the field "add".
 std::string FieldOfEdit(const std::string& field) {
   constexpr std::string_view kHandles = "handles[";
@@ -90,12 +83,11 @@ Result<HandleSetEntry> CompileHandles(Engine& engine, const Caller& caller,
   if (!room) return Fail(std::move(room.error()));
   auto compiled = CompiledHandles::Compile(mesh->mesh, handles, cancel);
   if (!compiled) return Fail(std::move(compiled.error()));
-  auto stored = engine.sessions.Change(**session, [&](store::SessionRecord& record) {
+  auto stored = engine.sessions.Change(caller, **session, [&](store::SessionRecord& record) {
     return HasSet(record, handle_set_id, mesh_id, handles, engine.limits)
         .and_then([&](bool there) -> Result<bool> {
           if (there) return false;
           if (auto good = CheckMesh(record, *mesh); !good) return Fail(good.error());
-          if (auto owner = CheckOwnerRoom(engine, caller); !owner) return Fail(owner.error());
           record.handle_sets[handle_set_id] = {mesh_id, handles, 1};
           return true;
         });
@@ -142,8 +134,8 @@ Result<HandleSetEntry> EditHandles(Engine& engine, const Caller& caller,
     auto edited = EditEntry(*entry, remove, add, engine.limits, cancel);
     if (!edited) return edited;
     std::string blob;
-    auto stored =
-        engine.sessions.Change(**session, [&](store::SessionRecord& record) -> Result<bool> {
+    auto stored = engine.sessions.Change(
+        caller, **session, [&](store::SessionRecord& record) -> Result<bool> {
           auto set = FindHandleSet(record, handle_set_id);
           if (!set) return Fail(std::move(set.error()));
           // Another edit came first, or another set has the id now: do this one on that.
@@ -165,7 +157,7 @@ Status DeleteHandleSet(Engine& engine, const Caller& caller, const std::string& 
   auto session = engine.sessions.Use(caller.owner, session_id);
   if (!session) return Fail(std::move(session.error()));
   auto stored =
-      engine.sessions.Change(**session, [&](store::SessionRecord& record) -> Result<bool> {
+      engine.sessions.Change(caller, **session, [&](store::SessionRecord& record) -> Result<bool> {
         if (record.handle_sets.erase(handle_set_id) == 0) {
           return Fail(NotFound("handle set", handle_set_id));
         }

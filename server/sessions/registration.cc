@@ -28,13 +28,6 @@ Result<bool> HasMesh(const store::SessionRecord& record, const std::string& mesh
   return false;
 }
 
-Status CheckOwnerRoom(Engine& engine, const Caller& caller) {
-  auto usage = engine.stores.specs->UsageOf(caller.owner);
-  if (!usage) return Fail(std::move(usage.error()));
-  if (usage->meshes < caller.limits.max_meshes) return {};
-  return Fail(QuotaFull("max_meshes_per_owner", caller.limits.max_meshes));
-}
-
 Result<std::shared_ptr<const RegisteredMesh>> Factor(Engine& engine, const Caller& caller,
                                                      PlanarMesh mesh, const EnergyOptions& options,
                                                      const CancelToken& cancel) {
@@ -73,11 +66,10 @@ Result<Registration> RegisterMesh(Engine& engine, const Caller& caller,
   if (!*has) {
     // The blob first: a record never names what is not there.
     if (auto put = engine.stores.blobs->Put(*hash, bytes); !put) return Fail(put.error());
-    auto stored = engine.sessions.Change(**session, [&](store::SessionRecord& record) {
+    auto stored = engine.sessions.Change(caller, **session, [&](store::SessionRecord& record) {
       return HasMesh(record, mesh_id, *hash, engine.limits)
           .and_then([&](bool there) -> Result<bool> {
             if (there) return false;
-            if (auto room = CheckOwnerRoom(engine, caller); !room) return Fail(room.error());
             record.meshes[mesh_id] = {*hash};
             return true;
           });
@@ -94,7 +86,7 @@ Status DeleteMesh(Engine& engine, const Caller& caller, const std::string& sessi
   std::string blob;
   std::vector<std::string> sets;
   auto stored =
-      engine.sessions.Change(**session, [&](store::SessionRecord& record) -> Result<bool> {
+      engine.sessions.Change(caller, **session, [&](store::SessionRecord& record) -> Result<bool> {
         auto mesh = FindMesh(record, mesh_id);
         if (!mesh) return Fail(std::move(mesh.error()));
         blob = mesh->blob;

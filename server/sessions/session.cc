@@ -3,9 +3,19 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "core/base/try.h"
 #include "server/sessions/names.h"
 
 namespace arap::app {
+namespace {
+
+Fault BadOption(std::string message, std::string field) {
+  return Fault(FaultKind::kInvalidOption, std::move(message)).Field(std::move(field));
+}
+
+}  // namespace
 
 using std::chrono::duration_cast;
 using std::chrono::milliseconds;
@@ -19,12 +29,12 @@ Session::Session(Record record, runtime::Clock::Steady expires, const runtime::C
       stored_expires_(record_->expires) {}
 
 Session::Record Session::record() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   return record_;
 }
 
 void Session::Replace(Record record) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   stored_expires_ = record->expires;
   record_.swap(record);
 }
@@ -34,12 +44,12 @@ runtime::Clock::Wall Session::WallExpiryLocked() const {
 }
 
 SessionView Session::View() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   return ViewOf(*record_, WallExpiryLocked());
 }
 
 Status Session::Touch() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   const auto now = clock_.SteadyNow();
   if (ended_ || now >= expires_) return Fail(NotFound("session", key_.id));
   // Not earlier: one that was read from the store may have been promised longer.
@@ -48,12 +58,12 @@ Status Session::Touch() {
 }
 
 bool Session::expired() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   return clock_.SteadyNow() >= expires_;
 }
 
 bool Session::NeedsStoring(runtime::Clock::Wall* expires) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   const auto wanted = WallExpiryLocked() + kStoredLonger;
   if (ended_ || wanted - stored_expires_ < kStoredLonger / 2) return false;
   *expires = std::chrono::time_point_cast<milliseconds>(wanted);
@@ -61,19 +71,19 @@ bool Session::NeedsStoring(runtime::Clock::Wall* expires) const {
 }
 
 void Session::Stored(runtime::Clock::Wall expires) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   stored_expires_ = std::max(stored_expires_, expires);
 }
 
 runtime::Clock::Wall Session::stored_expires() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   return stored_expires_;
 }
 
 void Session::End() {
   std::map<std::uint64_t, Listener> listeners;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
     ended_ = true;
     listeners.swap(listeners_);
   }
@@ -82,7 +92,7 @@ void Session::End() {
 
 std::uint64_t Session::AddEndListener(Listener listener) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
     if (!ended_) {
       const std::uint64_t id = next_listener_++;
       listeners_.emplace(id, std::move(listener));
@@ -94,7 +104,7 @@ std::uint64_t Session::AddEndListener(Listener listener) {
 }
 
 void Session::RemoveEndListener(std::uint64_t id) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   listeners_.erase(id);
 }
 
@@ -121,6 +131,46 @@ SessionView ViewOf(const store::SessionRecord& record, runtime::Clock::Wall expi
   for (const auto& [id, mesh] : record.meshes) view.mesh_ids.push_back(id);
   for (const auto& [id, set] : record.handle_sets) view.handle_set_ids.push_back(id);
   return view;
+}
+
+Status CheckSpec(const SessionSpec& spec, const Limits& limits) {
+  if (auto name = CheckName(spec.id, "session_id"); !name) return name;
+  if (spec.ttl < kMinTtl || spec.ttl > limits.max_ttl) {
+    const double max_seconds = std::chrono::duration<double>(limits.max_ttl).count();
+    Fault fault =
+        BadOption(fmt::format("The ttl of {} s is not between 1 s and {} s.",
+                              std::chrono::duration<double>(spec.ttl).count(), max_seconds),
+                  "ttl");
+    return Fail(fault.Detail("limit", fmt::format("{}", max_seconds)).Detail("quota", "max_ttl"));
+  }
+  if (spec.labels.size() > kMaxLabels) {
+    Fault fault =
+        BadOption(fmt::format("There are {} labels, more than {}.", spec.labels.size(), kMaxLabels),
+                  "labels");
+    return Fail(fault.Detail("count", std::to_string(spec.labels.size()))
+                    .Detail("limit", std::to_string(kMaxLabels)));
+  }
+  for (const auto& [key, value] : spec.labels) {
+    if (key.empty() || key.size() > kMaxLabelBytes || value.size() > kMaxLabelBytes) {
+      Fault fault = BadOption(
+          fmt::format("The label {} is empty or longer than {} bytes.", Quote(key), kMaxLabelBytes),
+          "labels");
+      return Fail(fault.Detail("limit", std::to_string(kMaxLabelBytes)));
+    }
+  }
+  return {};
+}
+
+Status CheckPage(std::size_t size, const std::string& token) {
+  if (size > kMaxPageSize) {
+    Fault fault = BadOption(fmt::format("The page size of {} is more than {}.", size, kMaxPageSize),
+                            "page_size");
+    return Fail(fault.Detail("limit", std::to_string(kMaxPageSize)));
+  }
+  if (!token.empty() && !IsName(token)) {
+    return Fail(BadOption("The page token was not given by this server.", "page_token"));
+  }
+  return {};
 }
 
 }  // namespace arap::app

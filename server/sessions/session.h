@@ -3,15 +3,17 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "arap/base/result.h"
+#include "core/base/mutex.h"
+#include "server/budget/limits.h"
 #include "server/runtime/clock.h"
 #include "server/store/session_record.h"
 
@@ -72,20 +74,19 @@ class Session {
   void RemoveEndListener(std::uint64_t id);
 
  private:
-  runtime::Clock::Wall WallExpiryLocked() const;
+  runtime::Clock::Wall WallExpiryLocked() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const store::SessionKey key_;
   const std::chrono::milliseconds ttl_;
   const runtime::Clock& clock_;
 
-  mutable std::mutex mutex_;
-  // Guarded by mutex_.
-  Record record_;
-  runtime::Clock::Steady expires_;
-  runtime::Clock::Wall stored_expires_;
-  bool ended_ = false;
-  std::uint64_t next_listener_ = 1;
-  std::map<std::uint64_t, Listener> listeners_;
+  mutable Mutex mutex_;
+  Record record_ ABSL_GUARDED_BY(mutex_);
+  runtime::Clock::Steady expires_ ABSL_GUARDED_BY(mutex_);
+  runtime::Clock::Wall stored_expires_ ABSL_GUARDED_BY(mutex_);
+  bool ended_ ABSL_GUARDED_BY(mutex_) = false;
+  std::uint64_t next_listener_ ABSL_GUARDED_BY(mutex_) = 1;
+  std::map<std::uint64_t, Listener> listeners_ ABSL_GUARDED_BY(mutex_);
 };
 
 // A part of a record. kNotFound.
@@ -93,5 +94,10 @@ Result<store::MeshRecord> FindMesh(const store::SessionRecord& record, const std
 Result<store::HandleSetRecord> FindHandleSet(const store::SessionRecord& record,
                                              const std::string& handle_set_id);
 SessionView ViewOf(const store::SessionRecord& record, runtime::Clock::Wall expires);
+
+// kInvalidName and kInvalidOption with the field of CreateSession.
+Status CheckSpec(const SessionSpec& spec, const Limits& limits);
+// kInvalidOption with the field of ListSessions.
+Status CheckPage(std::size_t size, const std::string& token);
 
 }  // namespace arap::app

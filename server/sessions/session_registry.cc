@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "core/base/try.h"
 #include "server/sessions/names.h"
-#include "server/sessions/session_spec.h"
 
 namespace arap::app {
 namespace {
@@ -20,27 +20,48 @@ runtime::Clock::Wall WholeMilliseconds(runtime::Clock::Wall time) {
   return std::chrono::time_point_cast<milliseconds>(time);
 }
 
+// What a change adds, for the quotas of its owner.
+store::Usage Added(const store::SessionRecord& before, const store::SessionRecord& after) {
+  const auto more = [](std::size_t now, std::size_t then) { return now > then ? now - then : 0; };
+  return {.meshes = more(after.meshes.size(), before.meshes.size()),
+          .handle_sets = more(after.handle_sets.size(), before.handle_sets.size())};
+}
+
 }  // namespace
 
 SessionRegistry::SessionRegistry(const Limits& limits, const runtime::Clock& clock,
                                  store::SpecStore& store,
                                  std::function<void(const store::SessionRecord&)> released)
-    : limits_(limits), clock_(clock), store_(store), released_(std::move(released)) {}
+    : limits_(limits),
+      clock_(clock),
+      store_(store),
+      released_(std::move(released)),
+      quotas_(limits, store) {}
 
 SessionRegistry::Found SessionRegistry::InMemory(const store::SessionKey& key) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   const auto found = sessions_.find(key);
   return found == sessions_.end() ? nullptr : found->second;
 }
 
+std::vector<SessionRegistry::Found> SessionRegistry::InMemory(
+    const std::function<bool(const Session&)>& wanted) const {
+  const MutexLock lock(&mutex_);
+  std::vector<Found> found;
+  for (const auto& [key, session] : sessions_) {
+    if (wanted(*session)) found.push_back(session);
+  }
+  return found;
+}
+
 std::size_t SessionRegistry::in_memory() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   return sessions_.size();
 }
 
-void SessionRegistry::Drop(const Found& session) {
+void SessionRegistry::Drop(const Held&, const Found& session) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
     const auto found = sessions_.find(session->key());
     if (found == sessions_.end() || found->second != session) return;
     sessions_.erase(found);
@@ -49,8 +70,7 @@ void SessionRegistry::Drop(const Found& session) {
   released_(*session->record());
 }
 
-Status SessionRegistry::Expire(const Found& session) {
-  const std::lock_guard writing(writes_);
+Status SessionRegistry::Expire(const Held& held, const Found& session) {
   // The id may have been freed and taken anew meanwhile.
   if (InMemory(session->key()) != session) return {};
   bool ours = true;
@@ -63,109 +83,115 @@ Status SessionRegistry::Expire(const Found& session) {
     ours = record && *record && (*record)->expires <= session->stored_expires();
   }
   if (ours) {
-    auto removed = store_.Remove(session->key());
-    if (!removed) return Fail(std::move(removed.error()));
+    if (auto removed = store_.Remove(session->key()); !removed) return Fail(removed.error());
   }
-  Drop(session);
+  Drop(held, session);
   return {};
 }
 
-Status SessionRegistry::ExpireAll() {
-  std::vector<Found> expired;
-  {
-    const std::lock_guard lock(mutex_);
-    for (const auto& [key, session] : sessions_) {
-      if (session->expired()) expired.push_back(session);
+Status SessionRegistry::ExpireAll(const std::string* owner, Busy busy) {
+  const auto expired = [owner](const Session& session) {
+    return session.expired() && (owner == nullptr || session.key().owner == *owner);
+  };
+  for (const Found& session : InMemory(expired)) {
+    if (busy == Busy::kWait) {
+      CHECK_OK(Expire(locks_.Take(session->key()), session));
+    } else if (const auto held = locks_.TryTake(session->key())) {
+      CHECK_OK(Expire(*held, session));
     }
   }
-  for (const Found& session : expired) {
-    if (auto gone = Expire(session); !gone) return gone;
-  }
   return {};
+}
+
+Result<bool> SessionRegistry::IsCurrent(const Session& session) {
+  if (!store_.shared()) return true;
+  TRY(const auto revision, store_.Revision(session.key()));
+  return revision && *revision == session.record()->revision;
 }
 
 Result<SessionRegistry::Found> SessionRegistry::Find(const store::SessionKey& key) {
-  const auto missing = [&] { return Fail(NotFound("session", key.id)); };
+  if (Found session = InMemory(key); session && !session->expired()) {
+    TRY(const bool current, IsCurrent(*session));
+    if (current) return session;
+  }
+  return Find(locks_.Take(key), key);
+}
+
+Result<SessionRegistry::Found> SessionRegistry::Find(const Held& held,
+                                                     const store::SessionKey& key) {
   Found session = InMemory(key);
   if (session && session->expired()) {
-    if (auto gone = Expire(session); !gone) return Fail(std::move(gone.error()));
-    if (!store_.shared()) return missing();
+    CHECK_OK(Expire(held, session));
+    if (!store_.shared()) return Fail(NotFound("session", key.id));
     session = nullptr;
   }
   if (session) {
-    if (!store_.shared()) return session;
-    auto revision = store_.Revision(key);
-    if (!revision) return Fail(std::move(revision.error()));
-    if (*revision && **revision == session->record()->revision) return session;
+    TRY(const bool current, IsCurrent(*session));
+    if (current) return session;
   }
-  auto loaded = store_.Load(key);
-  if (!loaded) return Fail(std::move(loaded.error()));
+  return Load(held, key, std::move(session));
+}
+
+Result<SessionRegistry::Found> SessionRegistry::Load(const Held& held, const store::SessionKey& key,
+                                                     Found session) {
+  TRY(auto loaded, store_.Load(key));
   // Stored longer than told, and the store may lag behind by half of that.
   const auto now = clock_.WallNow();
-  const auto expires = *loaded ? (*loaded)->expires - kStoredLonger / 2 : now;
+  const auto expires = loaded ? loaded->expires - kStoredLonger / 2 : now;
   if (now >= expires) {
-    if (session) Drop(session);
-    if (*loaded) {
-      if (auto removed = store_.Remove(key); !removed) return Fail(std::move(removed.error()));
+    if (session) Drop(held, session);
+    if (loaded) {
+      if (auto removed = store_.Remove(key); !removed) return Fail(removed.error());
     }
-    return missing();
+    return Fail(NotFound("session", key.id));
   }
-  auto record = std::make_shared<const store::SessionRecord>(**std::move(loaded));
+  auto record = std::make_shared<const store::SessionRecord>(*std::move(loaded));
   if (session) {
     session->Replace(std::move(record));
     return session;
   }
   session =
       std::make_shared<Session>(std::move(record), clock_.SteadyNow() + (expires - now), clock_);
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   return sessions_.emplace(key, std::move(session)).first->second;
-}
-
-Status SessionRegistry::CheckRoom(const Caller& caller) {
-  for (const bool swept : {false, true}) {
-    auto usage = store_.UsageOf(caller.owner);
-    if (!usage) return Fail(std::move(usage.error()));
-    auto count = store_.Count();
-    if (!count) return Fail(std::move(count.error()));
-    const bool owner_full = usage->sessions >= caller.limits.max_sessions;
-    if (!owner_full && *count < limits_.max_sessions) return {};
-    if (swept) {
-      return Fail(owner_full ? QuotaFull("max_sessions_per_owner", caller.limits.max_sessions)
-                             : QuotaFull("max_sessions", limits_.max_sessions));
-    }
-    if (auto gone = ExpireAll(); !gone) return gone;
-  }
-  return {};
 }
 
 Result<SessionView> SessionRegistry::Create(const Caller& caller, SessionSpec spec) {
   if (spec.ttl == milliseconds::zero()) spec.ttl = limits_.default_ttl;
-  if (auto good = CheckSpec(spec, limits_); !good) return Fail(std::move(good.error()));
+  CHECK_OK(CheckSpec(spec, limits_));
   const store::SessionKey key{caller.owner, spec.id};
-  const std::lock_guard writing(writes_);
-  auto found = Find(key);
+  auto view = Create(locks_.Take(key), caller, spec);
+  if (view || view.error().kind != FaultKind::kLimitExceeded) return view;
+  // Sessions that have expired may hold the places.
+  CHECK_OK(ExpireAll(nullptr, Busy::kWait));
+  return Create(locks_.Take(key), caller, spec);
+}
+
+Result<SessionView> SessionRegistry::Create(const Held& held, const Caller& caller,
+                                            const SessionSpec& spec) {
+  const store::SessionKey key{caller.owner, spec.id};
+  const auto found = Find(held, key);
   if (found) {
     if ((*found)->View().spec == spec && (*found)->Touch()) return (*found)->View();
     return Fail(Taken("session", spec.id, "another ttl or other labels"));
   }
-  if (found.error().kind != FaultKind::kNotFound) return Fail(std::move(found.error()));
-  if (auto room = CheckRoom(caller); !room) return Fail(std::move(room.error()));
+  if (found.error().kind != FaultKind::kNotFound) return Fail(found.error());
+  TRY(const OwnerQuotas::Place place, quotas_.Take(caller, {.sessions = 1}));
 
   auto record = std::make_shared<store::SessionRecord>();
   record->key = key;
   record->ttl = spec.ttl;
-  record->labels = std::move(spec.labels);
+  record->labels = spec.labels;
   record->created = WholeMilliseconds(clock_.WallNow());
   record->expires = record->created + record->ttl + kStoredLonger;
-  auto put = store_.Put(*record);
-  if (!put) return Fail(std::move(put.error()));
-  if (!*put) {
+  TRY(const bool put, store_.Put(*record));
+  if (!put) {
     return Fail(FaultKind::kStoreUnavailable,
                 fmt::format("Another server takes the session id {} just now.", Quote(key.id)));
   }
   auto session = std::make_shared<Session>(record, clock_.SteadyNow() + record->ttl, clock_);
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(&mutex_);
     sessions_[key] = session;
   }
   return session->View();
@@ -173,9 +199,8 @@ Result<SessionView> SessionRegistry::Create(const Caller& caller, SessionSpec sp
 
 Result<std::shared_ptr<Session>> SessionRegistry::Use(const std::string& owner,
                                                       const std::string& id) {
-  auto session = Find({owner, id});
-  if (!session) return session;
-  if (auto alive = (*session)->Touch(); !alive) return Fail(std::move(alive.error()));
+  TRY(auto session, Find({owner, id}));
+  CHECK_OK(session->Touch());
   return session;
 }
 
@@ -191,21 +216,20 @@ Result<SessionView> SessionRegistry::View(const std::string& owner, const std::s
 
 Result<SessionPage> SessionRegistry::List(const std::string& owner, std::size_t size,
                                           const std::string& token) {
-  if (auto good = CheckPage(size, token); !good) return Fail(std::move(good.error()));
+  CHECK_OK(CheckPage(size, token));
   if (size == 0) size = kDefaultPageSize;
-  if (auto gone = ExpireAll(); !gone) return Fail(std::move(gone.error()));
-  auto records = store_.List(owner, token, size + 1);
-  if (!records) return Fail(std::move(records.error()));
+  CHECK_OK(ExpireAll(&owner, Busy::kSkip));
+  TRY(auto records, store_.List(owner, token, size + 1));
   SessionPage page;
-  if (records->size() > size) {
-    records->resize(size);
-    page.next_token = records->back().key.id;
+  if (records.size() > size) {
+    records.resize(size);
+    page.next_token = records.back().key.id;
   }
   const auto now = clock_.WallNow();
-  for (const store::SessionRecord& record : *records) {
+  for (const store::SessionRecord& record : records) {
     const Found session = InMemory(record.key);
     const auto expires = record.expires - kStoredLonger / 2;
-    if (!session && now >= expires) continue;
+    if (session ? session->expired() : now >= expires) continue;
     SessionView view = ViewOf(record, expires);
     if (session) view.expires = session->View().expires;
     page.sessions.push_back(std::move(view));
@@ -214,54 +238,48 @@ Result<SessionPage> SessionRegistry::List(const std::string& owner, std::size_t 
 }
 
 Status SessionRegistry::Delete(const std::string& owner, const std::string& id) {
-  const std::lock_guard writing(writes_);
-  auto session = Find({owner, id});
-  if (!session && session.error().kind == FaultKind::kDataLoss) {
-    // What cannot be read can still be got rid of.
-    auto gone = store_.Remove({owner, id});
-    if (!gone) return Fail(std::move(gone.error()));
-    if (const Found known = InMemory({owner, id})) Drop(known);
-    return {};
-  }
-  if (!session) return Fail(std::move(session.error()));
-  auto removed = store_.Remove((*session)->key());
-  if (!removed) return Fail(std::move(removed.error()));
-  Drop(*session);
-  if (!*removed) return Fail(NotFound("session", id));
+  const store::SessionKey key{owner, id};
+  const Held held = locks_.Take(key);
+  const auto session = Find(held, key);
+  // What cannot be read can still be deleted.
+  const bool unreadable = !session && session.error().kind == FaultKind::kDataLoss;
+  if (!session && !unreadable) return Fail(session.error());
+  TRY(const bool removed, store_.Remove(key));
+  if (const Found known = unreadable ? InMemory(key) : *session) Drop(held, known);
+  if (!unreadable && !removed) return Fail(NotFound("session", id));
   return {};
 }
 
-Result<Session::Record> SessionRegistry::Change(Session& session, const Edit& edit) {
-  const std::lock_guard writing(writes_);
+Result<Session::Record> SessionRegistry::Change(const Caller& caller, Session& session,
+                                                const Edit& edit) {
+  const Held held = locks_.Take(session.key());
   for (;;) {
-    if (auto alive = session.Touch(); !alive) return Fail(std::move(alive.error()));
+    CHECK_OK(session.Touch());
     const Session::Record before = session.record();
     auto after = std::make_shared<store::SessionRecord>(*before);
-    auto changed = edit(*after);
-    if (!changed) return Fail(std::move(changed.error()));
-    if (!*changed) return before;
+    TRY(const bool changed, edit(*after));
+    if (!changed) return before;
+    TRY(const OwnerQuotas::Place place, quotas_.Take(caller, Added(*before, *after)));
     ++after->revision;
     after->expires =
         WholeMilliseconds(std::max(before->expires, session.View().expires + kStoredLonger));
-    auto put = store_.Put(*after);
-    if (!put) return Fail(std::move(put.error()));
-    if (*put) {
+    TRY(const bool put, store_.Put(*after));
+    if (put) {
       session.Replace(after);
       return after;
     }
     // Another process changed or removed it.
-    auto now = store_.Load(session.key());
-    if (!now) return Fail(std::move(now.error()));
-    if (!*now) {
-      if (const Found ours = InMemory(session.key()); ours.get() == &session) Drop(ours);
+    TRY(auto now, store_.Load(session.key()));
+    if (!now) {
+      if (const Found ours = InMemory(session.key()); ours.get() == &session) Drop(held, ours);
       return Fail(NotFound("session", session.key().id));
     }
-    session.Replace(std::make_shared<const store::SessionRecord>(**std::move(now)));
+    session.Replace(std::make_shared<const store::SessionRecord>(*std::move(now)));
   }
 }
 
 bool SessionRegistry::InUse(const std::string& owner, const std::string& blob) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   for (auto at = sessions_.lower_bound({owner, ""});
        at != sessions_.end() && at->first.owner == owner; ++at) {
     const Session::Record record = at->second->record();
@@ -272,29 +290,34 @@ bool SessionRegistry::InUse(const std::string& owner, const std::string& blob) c
   return false;
 }
 
+Status SessionRegistry::StoreExpiry(const Held& held, const Found& session) {
+  runtime::Clock::Wall expires;
+  if (InMemory(session->key()) != session || !session->NeedsStoring(&expires)) return {};
+  TRY(const bool there, store_.Extend(session->key(), expires));
+  if (there) {
+    session->Stored(expires);
+  } else {
+    Drop(held, session);  // another server deleted it: its streams end here too
+  }
+  return {};
+}
+
 Status SessionRegistry::Sweep() {
-  std::vector<Found> all;
-  {
-    const std::lock_guard lock(mutex_);
-    for (const auto& [key, session] : sessions_) all.push_back(session);
-  }
-  for (const Found& session : all) {
+  const auto moved = [](const Session& session) {
     runtime::Clock::Wall expires;
-    if (!session->NeedsStoring(&expires)) continue;
-    const auto there = store_.Extend(session->key(), expires);
-    if (!there) return Fail(there.error());
-    if (*there) {
-      session->Stored(expires);
-    } else {
-      Drop(session);  // another server deleted it: its streams end here too
-    }
+    return session.NeedsStoring(&expires);
+  };
+  for (const Found& session : InMemory(moved)) {
+    if (const auto held = locks_.TryTake(session->key())) CHECK_OK(StoreExpiry(*held, session));
   }
-  const std::lock_guard writing(writes_);
-  if (auto gone = ExpireAll(); !gone) return gone;
-  auto removed = store_.RemoveExpired(clock_.WallNow(), kSweep);
-  if (!removed) return Fail(std::move(removed.error()));
-  for (const store::SessionKey& key : *removed) {
-    if (const Found session = InMemory(key)) Drop(session);
+  CHECK_OK(ExpireAll(nullptr, Busy::kSkip));
+  TRY(const auto removed, store_.RemoveExpired(clock_.WallNow(), kSweep));
+  for (const store::SessionKey& key : removed) {
+    if (InMemory(key) == nullptr) continue;
+    const Held held = locks_.Take(key);
+    // The id may have been taken anew meanwhile.
+    TRY(const auto revision, store_.Revision(key));
+    if (const Found session = InMemory(key); session && !revision) Drop(held, session);
   }
   return {};
 }

@@ -6,15 +6,17 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "arap/base/result.h"
+#include "core/base/mutex.h"
 #include "server/access/caller.h"
 #include "server/budget/limits.h"
+#include "server/budget/owner_quotas.h"
 #include "server/runtime/clock.h"
 #include "server/sessions/session.h"
+#include "server/sessions/session_locks.h"
 #include "server/store/spec_store.h"
 
 namespace arap::app {
@@ -28,10 +30,27 @@ struct SessionPage {
 // Thread-safe. Everything but Peek may wait for the store: not for the interactive lane. An expired
 // session is gone for every caller. Every call may answer the store's faults, kStoreUnavailable and
 // kDataLoss; nothing has changed then.
+//
+// Which call waits for which:
+//   - Each session has a lock of its own (session_locks.h). Whoever creates, loads, changes,
+//   deletes
+//     or ends a session holds it from the first look at the store until memory says the same as the
+//     store. So a record that was read cannot come back into memory after its removal, of two that
+//     create one id the second sees the first, and a change either precedes a removal or finds the
+//     session gone.
+//   - A thread holds one such lock at most. A call on one session never waits for another session's
+//     store, except to end expired sessions when a quota seems full, and except for the last places
+//     of a quota (owner_quotas.h).
+//   - Looking a session up takes no lock while memory is up to date: always where this process
+//   alone
+//     has the records, else when the revision in the store is the one in memory.
+//   - Processes that share a store compare and put: a change that finds another revision than it
+//     began with is done again on what is stored now.
+//   - mutex_ guards the map alone, for moments; no store is asked under it.
 class SessionRegistry {
  public:
   // All outlive the registry. `released` hears the last record of every session that has ended
-  // here, in the thread that ended it.
+  // here, in the thread that ended it; it must not call the registry, except InUse.
   SessionRegistry(const Limits& limits, const runtime::Clock& clock, store::SpecStore& store,
                   std::function<void(const store::SessionRecord&)> released);
 
@@ -56,42 +75,59 @@ class SessionRegistry {
   Status Delete(const std::string& owner, const std::string& id);
 
   // Changes the record and stores it before it answers. `edit` gets a copy and says whether it has
-  // changed it; it is called again when another process was faster. Returns the record in force.
-  // Faults: kNotFound when the session has ended, and those of `edit`.
+  // changed it; it is called again when another process was faster, and must not call the registry.
+  // Returns the record in force. Faults: kNotFound when the session has ended, those of `edit`, and
+  // kLimitExceeded when the caller's owner has no room for the meshes or handle sets that were
+  // added.
   using Edit = std::function<Result<bool>(store::SessionRecord&)>;
-  Result<Session::Record> Change(Session& session, const Edit& edit);
+  Result<Session::Record> Change(const Caller& caller, Session& session, const Edit& edit);
 
   // Whether a session in memory has a mesh with this blob.
   bool InUse(const std::string& owner, const std::string& blob) const;
   std::size_t in_memory() const;
+  // Calls that wait for another call on the same session.
+  std::size_t waiting() const { return locks_.waiting(); }
 
-  // Stores expiries that have moved and ends what has expired. To be called every second or so.
-  // Answers the store's fault if it failed; the next sweep tries again.
+  // Stores expiries that have moved and ends what has expired; sessions that a call is busy with
+  // are left for the next sweep. To be called every second or so. Answers the store's fault if it
+  // failed; the next sweep tries again.
   Status Sweep();
 
  private:
   using Sessions = std::map<store::SessionKey, std::shared_ptr<Session>>;
   using Found = std::shared_ptr<Session>;
+  using Held = SessionLocks::Held;
+  // What to do about sessions whose lock somebody holds.
+  enum class Busy { kWait, kSkip };
 
   Found InMemory(const store::SessionKey& key) const;
+  std::vector<Found> InMemory(const std::function<bool(const Session&)>& wanted) const;
+  // Whether memory is up to date; `session` is there and has not expired.
+  Result<bool> IsCurrent(const Session& session);
   Result<Found> Find(const store::SessionKey& key);
+
+  // These need the lock of the session.
+  Result<Found> Find(const Held& held, const store::SessionKey& key);
+  Result<Found> Load(const Held& held, const store::SessionKey& key, Found session);
+  Result<SessionView> Create(const Held& held, const Caller& caller, const SessionSpec& spec);
   // Takes it out of memory and ends it; harmless when it is not there any more.
-  void Drop(const Found& session);
+  void Drop(const Held& held, const Found& session);
   // Drops a session that has expired here, and removes it from the store unless another process has
   // extended it.
-  Status Expire(const Found& session);
-  Status ExpireAll();
-  Status CheckRoom(const Caller& caller);
+  Status Expire(const Held& held, const Found& session);
+  Status StoreExpiry(const Held& held, const Found& session);
+
+  // Ends what has expired in memory, of one owner or (null) of all.
+  Status ExpireAll(const std::string* owner, Busy busy);
 
   const Limits& limits_;
   const runtime::Clock& clock_;
   store::SpecStore& store_;
   const std::function<void(const store::SessionRecord&)> released_;
-  // Held from reading a record or a count until the change that rests on it is stored. Before
-  // mutex_. Recursive: finding a session may end an expired one on the way.
-  std::recursive_mutex writes_;
-  mutable std::mutex mutex_;
-  Sessions sessions_;  // guarded by mutex_
+  SessionLocks locks_;
+  OwnerQuotas quotas_;
+  mutable Mutex mutex_;
+  Sessions sessions_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace arap::app

@@ -2,26 +2,26 @@
 
 #include <utility>
 
-#include <fmt/format.h>
+#include "server/store/store_fault.h"
 
 namespace arap::store {
 
 Result<std::optional<SessionRecord>> MemorySpecStore::Load(const SessionKey& key) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   const auto found = records_.find(key);
   if (found == records_.end()) return std::nullopt;
   return found->second;
 }
 
 Result<std::optional<std::uint64_t>> MemorySpecStore::Revision(const SessionKey& key) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   const auto found = records_.find(key);
   if (found == records_.end()) return std::nullopt;
   return found->second.revision;
 }
 
 Result<bool> MemorySpecStore::Put(const SessionRecord& record) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   const auto found = records_.find(record.key);
   const std::uint64_t before = found == records_.end() ? 0 : found->second.revision;
   if (before + 1 != record.revision) return false;
@@ -30,7 +30,7 @@ Result<bool> MemorySpecStore::Put(const SessionRecord& record) {
 }
 
 Result<bool> MemorySpecStore::Extend(const SessionKey& key, runtime::Clock::Wall expires) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   const auto found = records_.find(key);
   if (found == records_.end()) return false;
   found->second.expires = expires;
@@ -38,14 +38,14 @@ Result<bool> MemorySpecStore::Extend(const SessionKey& key, runtime::Clock::Wall
 }
 
 Result<bool> MemorySpecStore::Remove(const SessionKey& key) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   return records_.erase(key) > 0;
 }
 
 Result<std::vector<SessionRecord>> MemorySpecStore::List(const std::string& owner,
                                                          const std::string& after,
                                                          std::size_t limit) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   std::vector<SessionRecord> records;
   for (auto at = records_.upper_bound({owner, after});
        at != records_.end() && at->first.owner == owner && records.size() < limit; ++at) {
@@ -55,7 +55,7 @@ Result<std::vector<SessionRecord>> MemorySpecStore::List(const std::string& owne
 }
 
 Result<std::vector<std::string>> MemorySpecStore::Owners() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   std::vector<std::string> owners;
   for (const auto& [key, record] : records_) {
     if (owners.empty() || owners.back() != key.owner) owners.push_back(key.owner);
@@ -64,7 +64,7 @@ Result<std::vector<std::string>> MemorySpecStore::Owners() {
 }
 
 Result<Usage> MemorySpecStore::UsageOf(const std::string& owner) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   Usage usage;
   for (auto at = records_.lower_bound({owner, ""});
        at != records_.end() && at->first.owner == owner; ++at) {
@@ -76,13 +76,13 @@ Result<Usage> MemorySpecStore::UsageOf(const std::string& owner) {
 }
 
 Result<std::size_t> MemorySpecStore::Count() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   return records_.size();
 }
 
 Result<std::vector<SessionKey>> MemorySpecStore::RemoveExpired(runtime::Clock::Wall now,
                                                                std::size_t limit) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   std::vector<SessionKey> removed;
   for (auto at = records_.begin(); at != records_.end() && removed.size() < limit;) {
     if (at->second.expires > now) {
@@ -96,7 +96,7 @@ Result<std::vector<SessionKey>> MemorySpecStore::RemoveExpired(runtime::Clock::W
 }
 
 Result<std::set<std::string>> MemorySpecStore::ReferencedBlobs() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   std::set<std::string> blobs;
   for (const auto& [key, record] : records_) {
     for (const auto& [id, mesh] : record.meshes) blobs.insert(mesh.blob);
@@ -105,7 +105,7 @@ Result<std::set<std::string>> MemorySpecStore::ReferencedBlobs() {
 }
 
 Status MemoryBlobStore::Put(const std::string& hash, std::string_view bytes) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   Blob& blob = blobs_[hash];
   if (blob.bytes.size() != bytes.size()) blob.bytes = bytes;
   blob.put = std::chrono::steady_clock::now();
@@ -113,17 +113,15 @@ Status MemoryBlobStore::Put(const std::string& hash, std::string_view bytes) {
 }
 
 Result<std::string> MemoryBlobStore::Get(const std::string& hash) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   const auto found = blobs_.find(hash);
   if (found != blobs_.end()) return found->second.bytes;
-  return Fail(Fault(FaultKind::kDataLoss, fmt::format("There is no blob {}.", hash))
-                  .Detail("blob", hash)
-                  .Detail("why", "missing"));
+  return Fail(LostBlob(hash, "missing"));
 }
 
 Result<SweepReport> MemoryBlobStore::Sweep(const std::set<std::string>& referenced,
                                            std::chrono::seconds age) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   const auto now = std::chrono::steady_clock::now();
   SweepReport report;
   for (auto at = blobs_.begin(); at != blobs_.end();) {

@@ -3,15 +3,15 @@
 
 #include <chrono>
 #include <map>
-#include <mutex>
 #include <string>
 
+#include "core/base/mutex.h"
 #include "server/store/blobs/blob_store.h"
 #include "server/store/spec_store.h"
 
 namespace arap::store {
 
-class MemorySpecStore final : public SpecStore {
+class MemorySpecStore : public SpecStore {
  public:
   Result<std::optional<SessionRecord>> Load(const SessionKey& key) override;
   Result<std::optional<std::uint64_t>> Revision(const SessionKey& key) override;
@@ -30,8 +30,8 @@ class MemorySpecStore final : public SpecStore {
   Status Probe() override { return {}; }
 
  private:
-  std::mutex mutex_;
-  std::map<SessionKey, SessionRecord> records_;  // guarded by mutex_
+  Mutex mutex_;
+  std::map<SessionKey, SessionRecord> records_ ABSL_GUARDED_BY(mutex_);
 };
 
 class MemoryBlobStore final : public BlobStore {
@@ -46,8 +46,8 @@ class MemoryBlobStore final : public BlobStore {
     std::string bytes;
     std::chrono::steady_clock::time_point put;
   };
-  std::mutex mutex_;
-  std::map<std::string, Blob> blobs_;  // guarded by mutex_
+  Mutex mutex_;
+  std::map<std::string, Blob> blobs_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace arap::store

@@ -80,7 +80,7 @@ TEST_F(AppTest, ExpiryIsToldWhenSomebodyLooks) {
 TEST_F(AppTest, EndedSessionTakesNothing) {
   auto session = Open("s");
   ASSERT_TRUE(engine_.sessions.Delete("ann", "s"));
-  const auto changed = engine_.sessions.Change(*session, [](store::SessionRecord& record) {
+  const auto changed = engine_.sessions.Change(ann_, *session, [](store::SessionRecord& record) {
     record.meshes["m"] = {"0"};
     return Result<bool>(true);
   });

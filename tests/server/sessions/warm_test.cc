@@ -122,10 +122,11 @@ TEST_F(WarmTest, ASetThatAnotherServerHasChangedIsNotWarm) {
   ASSERT_TRUE(CompileHandles(*engine_, ann_, "s", "m", "h", AtVertices({0, 80}), {}));
   const auto session = Use(ann_, "s");
   EXPECT_TRUE(IsWarmHandleSet(*engine_, *session, "h"));
-  ASSERT_TRUE(engine_->sessions.Change(*session, [](store::SessionRecord& record) -> Result<bool> {
-    record.handle_sets.at("h").definitions = AtVertices({0, 17});
-    return true;
-  }));
+  ASSERT_TRUE(
+      engine_->sessions.Change(ann_, *session, [](store::SessionRecord& record) -> Result<bool> {
+        record.handle_sets.at("h").definitions = AtVertices({0, 17});
+        return true;
+      }));
   EXPECT_FALSE(IsWarmHandleSet(*engine_, *session, "h"));
 }
 
