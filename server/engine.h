@@ -5,14 +5,12 @@
 #include <cstddef>
 #include <memory>
 
-#include "server/budget/derived_cache.h"
 #include "server/budget/gate.h"
 #include "server/budget/limits.h"
-#include "server/flattening/flatten_cache.h"
+#include "server/flattening/prepared_surfaces.h"
 #include "server/runtime/clock.h"
-#include "server/runtime/metrics.h"
 #include "server/runtime/worker_pool.h"
-#include "server/sessions/session_registry.h"
+#include "server/sessions/workshop.h"
 #include "server/store/open_store.h"
 #include "server/streams/admission.h"
 #include "server/streams/open_streams.h"
@@ -32,7 +30,7 @@ struct Lanes {
 //   control      sessions and look-ups: what may wait for the store but computes nothing
 //   jobs         registration, compilation, edits, flattening, tracks, and what was evicted and has
 //                to be computed again; between their steps they give way to the interactive lane
-struct Engine {
+struct Engine : Workshop {
   // `clock` outlives the engine.
   Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::Clock& clock,
          store::Stores the_stores);
@@ -41,22 +39,9 @@ struct Engine {
   // names. To be called every second or so, from one thread. Answers the store's fault if it
   // failed.
   Status Sweep();
-  // The last of these on its own: blobs older than `age`.
-  Result<store::SweepReport> CollectBlobs(std::chrono::seconds age);
 
-  // Forgets what was computed for a session or a mesh of it that is no more.
-  void Release(const store::SessionRecord& record);
-  void ReleaseHandleSet(const store::SessionKey& session, const std::string& handle_set_id);
-  void ReleaseMesh(const std::string& owner, const std::string& blob);
-
-  runtime::Metrics metrics;  // first: the others count in it until their end
-  const Limits limits;
   const Lanes lanes;
-  const runtime::Clock& clock;
-  const store::Stores stores;
-  DerivedCache derived;
-  SessionRegistry sessions;
-  FlattenCache surfaces;
+  PreparedSurfaces surfaces;
   OpenStreams streams;
   LoadGuard load;
   Gate registrations;

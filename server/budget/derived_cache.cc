@@ -39,7 +39,7 @@ void DerivedCache::Reservation::Release() {
 }
 
 void DerivedCache::GiveBack(const std::string& owner, std::size_t bytes) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   reserved_ -= bytes;
   const auto found = owner_bytes_.find(owner);
   if ((found->second -= bytes) == 0) owner_bytes_.erase(found);
@@ -47,19 +47,21 @@ void DerivedCache::GiveBack(const std::string& owner, std::size_t bytes) {
 
 Result<DerivedCache::Reservation> DerivedCache::Reserve(const Caller& caller, std::size_t bytes) {
   Garbage gone;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   DropLeftLocked();
   const std::size_t most = caller.limits.max_bytes;
   const auto owner_fits = [&] {
+    mutex_.AssertHeld();
     const std::size_t used = UsedLocked(caller.owner);
     return used <= most && bytes <= most - used;
   };
   const auto all_fit = [&] {
+    mutex_.AssertHeld();
     const std::size_t used = UsedLocked();
     return used <= max_bytes_ && bytes <= max_bytes_ - used;
   };
   const auto refuse = [&](const char* quota, std::size_t limit) {
-    return Fail(QuotaFull(quota, limit).Detail("estimate", std::to_string(bytes)));
+    return Fail(QuotaFull(quota, limit).Detail("estimate", bytes));
   };
   // What could never fit must not push others out.
   if (bytes > most ||
@@ -137,7 +139,7 @@ std::size_t DerivedCache::UsedLocked(const std::string& owner) const {
 }
 
 DerivedCache::Any DerivedCache::FindAny(const DerivedKey& key, bool counted) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   const auto found = by_key_.find(key);
   const bool hit = found != by_key_.end();
   if (counted && listener_.looked_up) listener_.looked_up(key.kind, hit);
@@ -148,17 +150,17 @@ DerivedCache::Any DerivedCache::FindAny(const DerivedKey& key, bool counted) {
 }
 
 bool DerivedCache::Has(const DerivedKey& key) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   return by_key_.contains(key);
 }
 
 DerivedCache::Any DerivedCache::KeepAny(const DerivedKey& key, Any value, std::size_t bytes,
                                         bool replace) {
   Garbage gone;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   if (const auto found = by_key_.find(key); found != by_key_.end()) {
     if (!replace) return found->second->value;
-    // Kept again, it is no second thing beside itself.
+    // The same value kept again: the list's own reference must not pass for somebody else's.
     if (found->second->value == value) found->second->value.reset();
     RemoveLocked(found->second, gone);
   }
@@ -183,13 +185,17 @@ DerivedCache::Any DerivedCache::KeepAny(const DerivedKey& key, Any value, std::s
 }
 
 void DerivedCache::TrimLocked(Garbage& gone) {
-  MakeRoomLocked([this] { return UsedLocked() <= max_bytes_; }, [](const Entry&) { return true; },
-                 gone);
+  const auto fits = [this] {
+    mutex_.AssertHeld();
+    return UsedLocked() <= max_bytes_;
+  };
+  MakeRoomLocked(
+      fits, [](const Entry&) { return true; }, gone);
 }
 
 void DerivedCache::Forget(const DerivedKey& key) {
   Garbage gone;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   DropLeftLocked();
   if (const auto found = by_key_.find(key); found != by_key_.end()) {
     RemoveLocked(found->second, gone);
@@ -198,7 +204,7 @@ void DerivedCache::Forget(const DerivedKey& key) {
 
 std::size_t DerivedCache::EvictIdle(std::chrono::milliseconds idle) {
   Garbage gone;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   DropLeftLocked();
   const runtime::Clock::Steady now = clock_.SteadyNow();
   std::size_t evicted = 0;
@@ -221,22 +227,22 @@ std::size_t DerivedCache::EvictIdle(std::chrono::milliseconds idle) {
 }
 
 std::size_t DerivedCache::entries(DerivedKind kind) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   return held_[static_cast<std::size_t>(kind)].entries;
 }
 
 std::size_t DerivedCache::bytes(DerivedKind kind) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   return held_[static_cast<std::size_t>(kind)].bytes;
 }
 
 std::size_t DerivedCache::bytes() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   return UsedLocked();
 }
 
 std::size_t DerivedCache::bytes_of(const std::string& owner) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   return UsedLocked(owner);
 }
 

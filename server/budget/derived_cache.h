@@ -10,11 +10,11 @@
 #include <list>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "arap/base/result.h"
+#include "core/base/mutex.h"
 #include "server/access/caller.h"
 #include "server/runtime/clock.h"
 
@@ -128,30 +128,32 @@ class DerivedCache {
   Any FindAny(const DerivedKey& key, bool counted);
   Any KeepAny(const DerivedKey& key, Any value, std::size_t bytes, bool replace);
 
-  // All with mutex_ held.
-  void RemoveLocked(Entries::iterator entry, Garbage& gone);
-  void EvictLocked(Entries::iterator entry, Garbage& gone);
-  // Evicts entries for which `counts` says yes until `enough`; false when that cannot be reached.
+  void RemoveLocked(Entries::iterator entry, Garbage& gone) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void EvictLocked(Entries::iterator entry, Garbage& gone) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Evicts entries for which `counts` says yes until `enough`, which is asked under the lock; false
+  // when that cannot be reached.
   bool MakeRoomLocked(const std::function<bool()>& enough,
-                      const std::function<bool(const Entry&)>& counts, Garbage& gone);
-  void DropLeftLocked();
-  std::size_t UsedLocked() const;
-  std::size_t UsedLocked(const std::string& owner) const;
+                      const std::function<bool(const Entry&)>& counts, Garbage& gone)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void DropLeftLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  std::size_t UsedLocked() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  std::size_t UsedLocked(const std::string& owner) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void TrimLocked(Garbage& gone) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void GiveBack(const std::string& owner, std::size_t bytes);
-  void TrimLocked(Garbage& gone);
 
   const std::size_t max_bytes_;
   const Cap surfaces_;
   const runtime::Clock& clock_;
   Listener listener_;
-  mutable std::mutex mutex_;
-  // All below is guarded by mutex_.
-  Entries entries_;  // the last used first
-  std::map<DerivedKey, Entries::iterator> by_key_;
-  std::array<Held, kDerivedKinds> held_;
-  std::map<std::string, std::size_t> owner_bytes_;  // entries and reservations
-  std::size_t reserved_ = 0;
-  std::vector<Leaving> leaving_;
+  mutable Mutex mutex_;
+  // The last used first.
+  Entries entries_ ABSL_GUARDED_BY(mutex_);
+  std::map<DerivedKey, Entries::iterator> by_key_ ABSL_GUARDED_BY(mutex_);
+  std::array<Held, kDerivedKinds> held_ ABSL_GUARDED_BY(mutex_);
+  // Of entries and reservations.
+  std::map<std::string, std::size_t> owner_bytes_ ABSL_GUARDED_BY(mutex_);
+  std::size_t reserved_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::vector<Leaving> leaving_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace arap::app

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "server/sessions/names.h"
+#include "core/base/names.h"
 
 namespace arap::app {
 

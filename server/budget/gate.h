@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "arap/base/result.h"
+#include "server/budget/faults.h"
 
 namespace arap::app {
 
@@ -22,7 +23,13 @@ class Gate {
   using Pass = std::unique_ptr<Gate, Leave>;
 
   // A pass for as long as the job is waiting or running. kLimitExceeded with the quota.
-  Result<Pass> Enter();
+  Result<Pass> Enter() {
+    if (++inside_ > limit_) {
+      --inside_;
+      return Fail(QuotaFull(quota_, limit_));
+    }
+    return Pass(this);
+  }
   std::size_t inside() const { return inside_; }
 
  private:

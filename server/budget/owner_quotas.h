@@ -12,7 +12,7 @@
 #include "core/base/mutex.h"
 #include "server/access/caller.h"
 #include "server/budget/limits.h"
-#include "server/store/spec_store.h"
+#include "server/store/store.h"
 
 namespace arap::app {
 

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "server/rpc/convert_mesh.h"
-#include "server/sessions/entries.h"
 #include "server/sessions/names.h"
+#include "server/sessions/rebuild.h"
 
 namespace arap::rpc {
 namespace {

@@ -6,7 +6,7 @@
 #include <arap/v1/geometry.pb.h>
 #include <fmt/format.h>
 
-#include "server/sessions/entries.h"
+#include "server/sessions/rebuild.h"
 
 namespace arap::rpc {
 namespace {

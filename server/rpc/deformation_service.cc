@@ -15,8 +15,8 @@
 #include "server/runtime/metrics.h"
 #include "server/runtime/stopwatch.h"
 #include "server/sessions/handle_sets.h"
+#include "server/sessions/meshes.h"
 #include "server/sessions/names.h"
-#include "server/sessions/registration.h"
 #include "server/streams/live_set.h"
 #include "server/streams/targets.h"
 
@@ -87,9 +87,6 @@ Status RegisterMesh(app::Engine& engine, const v1::RegisterMeshRequest& request,
   TRY(const auto registration,
       app::RegisterMesh(engine, call.caller, request.session_id(), request.mesh_id(),
                         std::move(mesh), options, call.cancel));
-  if (!registration.shared) {
-    engine.metrics.Phase(runtime::Phase::kRegister, working.Micros() * 1e-6);
-  }
   ToWire(registration.entry, response->mutable_mesh());
   response->set_shared(registration.shared);
   SetTimes(call, working, response);
@@ -119,7 +116,6 @@ Status CompileHandles(app::Engine& engine, const v1::CompileHandlesRequest& requ
   TRY(const auto entry,
       app::CompileHandles(engine, call.caller, request.session_id(), request.mesh_id(),
                           request.handle_set_id(), handles, call.cancel));
-  engine.metrics.Phase(runtime::Phase::kCompile, working.Micros() * 1e-6);
   ToWire(entry, response->mutable_handle_set());
   SetTimes(call, working, response);
   return {};
@@ -132,7 +128,6 @@ Status EditHandles(app::Engine& engine, const v1::EditHandlesRequest& request, c
   TRY(const auto entry,
       app::EditHandles(engine, call.caller, request.session_id(), request.handle_set_id(),
                        {request.remove().begin(), request.remove().end()}, add, call.cancel));
-  engine.metrics.Phase(runtime::Phase::kEdit, working.Micros() * 1e-6);
   ToWire(entry, response->mutable_handle_set());
   SetTimes(call, working, response);
   return {};

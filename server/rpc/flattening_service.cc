@@ -3,30 +3,16 @@
 
 #include <arap/v1/flattening_service.grpc.pb.h>
 
-#include "server/budget/estimate.h"
-#include "server/flattening/flatten_surface.h"
+#include "server/flattening/prepared_surfaces.h"
 #include "server/rpc/convert_flatten.h"
 #include "server/rpc/convert_mesh.h"
 #include "server/rpc/convert_session.h"
 #include "server/rpc/handlers.h"
 #include "server/rpc/services.h"
 #include "server/rpc/unary.h"
-#include "server/runtime/metrics.h"
 #include "server/runtime/stopwatch.h"
 
 namespace arap::rpc {
-namespace {
-
-void Measure(const FlattenTimes& times, double micros, runtime::Metrics& metrics) {
-  using runtime::Phase;
-  metrics.Phase(Phase::kFlatten, micros * 1e-6);
-  metrics.Phase(Phase::kFlattenTopology, times.topology * 1e-3);
-  metrics.Phase(Phase::kFlattenOrder, times.order * 1e-3);
-  metrics.Phase(Phase::kFlattenFactor, times.factor * 1e-3);
-  metrics.Phase(Phase::kFlattenSolve, times.solve * 1e-3);
-}
-
-}  // namespace
 
 Status Flatten(app::Engine& engine, const v1::FlattenRequest& request, const Call& call,
                v1::FlattenResponse* response) {
@@ -36,12 +22,9 @@ Status Flatten(app::Engine& engine, const v1::FlattenRequest& request, const Cal
   TRY(const auto options, FromWire(request, limits));
   const MeshLimits bounds{limits.max_vertices, limits.max_triangles};
   TRY(auto mesh, FromWire(request.mesh(), bounds));
-  TRY(const auto room,
-      engine.derived.Reserve(call.caller, app::FlatteningBytes(mesh.triangles.size())));
-  auto answer = app::FlattenSurface(engine.surfaces, call.caller.owner, request.surface_key(),
-                                    std::move(mesh), options, bounds, call.cancel);
+  auto answer = engine.surfaces.Flatten(call.caller, request.surface_key(), std::move(mesh),
+                                        options, call.cancel);
   if (!answer) return Fail(SpelledForFlatten(std::move(answer.error())));
-  Measure(answer->flat.times, working.Micros(), engine.metrics);
   CHECK_OK(ToWire(answer->flat, request, response));
   response->set_surface_cached(answer->cached);
   SetMicros(call.queue_micros, response->mutable_queue_time());

@@ -20,7 +20,7 @@
 #include "server/rpc/status_map.h"
 #include "server/runtime/stopwatch.h"
 #include "server/sessions/names.h"
-#include "server/sessions/warm.h"
+#include "server/sessions/rebuild.h"
 #include "server/streams/live_set.h"
 #include "server/streams/stream_policy.h"
 

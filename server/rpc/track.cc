@@ -24,7 +24,7 @@
 #include "server/rpc/status_map.h"
 #include "server/runtime/stopwatch.h"
 #include "server/sessions/names.h"
-#include "server/sessions/warm.h"
+#include "server/sessions/rebuild.h"
 #include "server/streams/live_set.h"
 #include "server/streams/targets.h"
 

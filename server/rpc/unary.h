@@ -16,7 +16,7 @@
 #include "server/budget/gate.h"
 #include "server/engine.h"
 #include "server/rpc/caller_of.h"
-#include "server/sessions/warm.h"
+#include "server/sessions/rebuild.h"
 
 namespace arap::rpc {
 

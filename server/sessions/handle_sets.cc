@@ -6,22 +6,25 @@
 
 #include <fmt/format.h>
 
+#include "core/base/names.h"
+#include "core/base/try.h"
 #include "server/budget/estimate.h"
-#include "server/sessions/definitions.h"
-#include "server/sessions/names.h"
-#include "server/sessions/warm.h"
+#include "server/budget/faults.h"
+#include "server/runtime/metrics.h"
+#include "server/runtime/stopwatch.h"
 
 namespace arap::app {
 namespace {
 
 Status CheckCount(std::size_t count, const Limits& limits, std::string field) {
   if (count <= limits.max_handles) return {};
-  Fault fault =
+  return Fail(
       Fault(FaultKind::kTooManyHandles,
             fmt::format("The set would have {} handles, more than {}.", count, limits.max_handles))
-          .Field(std::move(field));
-  fault.Detail("count", std::to_string(count)).Detail("quota", "max_handles");
-  return Fail(fault.Detail("limit", std::to_string(limits.max_handles)));
+          .Field(std::move(field))
+          .Detail("count", count)
+          .Detail("quota", "max_handles")
+          .Detail("limit", limits.max_handles));
 }
 
 // Whether the record has this very set under the id already. kAlreadyExists for another one,
@@ -32,7 +35,7 @@ Result<bool> HasSet(const store::SessionRecord& record, const std::string& handl
   const auto found = record.handle_sets.find(handle_set_id);
   if (found != record.handle_sets.end()) {
     const store::HandleSetRecord& set = found->second;
-    if (set.mesh_id == mesh_id && SameDefinitions(set.definitions, definitions)) return true;
+    if (set.mesh_id == mesh_id && *set.definitions == definitions) return true;
     return Fail(Taken("handle set", handle_set_id, "other handles"));
   }
   if (record.handle_sets.size() >= limits.max_handle_sets_per_session) {
@@ -43,10 +46,22 @@ Result<bool> HasSet(const store::SessionRecord& record, const std::string& handl
 
 // The mesh that a set was compiled on must still be the one under its id.
 Status CheckMesh(const store::SessionRecord& record, const MeshEntry& mesh) {
-  auto now = FindMesh(record, mesh.mesh_id);
-  if (!now) return Fail(std::move(now.error()));
-  if (now->blob != mesh.content_hash) return Fail(NotFound("mesh", mesh.mesh_id));
+  TRY(const auto now, FindMesh(record, mesh.mesh_id));
+  if (now.blob != mesh.content_hash) return Fail(NotFound("mesh", mesh.mesh_id));
   return {};
+}
+
+// The definitions after CompiledHandles::Edit with the same arguments.
+store::HandleDefinitions Edited(const std::vector<Handle>& definitions,
+                                const std::vector<std::string>& remove,
+                                const std::vector<Handle>& add) {
+  const std::set<std::string_view> gone(remove.begin(), remove.end());
+  std::vector<Handle> edited;
+  for (const Handle& handle : definitions) {
+    if (!gone.contains(handle.id)) edited.push_back(handle);
+  }
+  edited.insert(edited.end(), add.begin(), add.end());
+  return store::MakeDefinitions(std::move(edited));
 }
 
 // The core numbers the added handles as "handles[i]"; in an edit they are the field "add".
@@ -57,45 +72,39 @@ std::string FieldOfEdit(const std::string& field) {
 
 }  // namespace
 
-Result<HandleSetEntry> CompileHandles(Engine& engine, const Caller& caller,
+Result<HandleSetEntry> CompileHandles(Workshop& workshop, const Caller& caller,
                                       const std::string& session_id, const std::string& mesh_id,
                                       const std::string& handle_set_id,
                                       const std::vector<Handle>& handles,
                                       const CancelToken& cancel) {
-  auto session = engine.sessions.Use(caller.owner, session_id);
-  if (!session) return Fail(std::move(session.error()));
-  if (auto name = CheckName(handle_set_id, "handle_set_id"); !name) {
-    return Fail(std::move(name.error()));
-  }
-  auto known = FindMesh(*(*session)->record(), mesh_id);
-  if (!known) return Fail(std::move(known.error()));
-  if (auto count = CheckCount(handles.size(), engine.limits, "handles"); !count) {
-    return Fail(std::move(count.error()));
-  }
-  auto has = HasSet(*(*session)->record(), handle_set_id, mesh_id, handles, engine.limits);
-  if (!has) return Fail(std::move(has.error()));
-  if (*has) return WarmHandleSet(engine, caller, **session, handle_set_id, cancel);
+  const runtime::Stopwatch working;
+  const Limits& limits = workshop.limits;
+  TRY(const auto session, workshop.sessions.Use(caller.owner, session_id));
+  CHECK_OK(CheckName(handle_set_id, "handle_set_id"));
+  TRY(const auto known, FindMesh(*session->record(), mesh_id));
+  CHECK_OK(CheckCount(handles.size(), limits, "handles"));
+  TRY(const bool has, HasSet(*session->record(), handle_set_id, mesh_id, handles, limits));
+  if (has) return WarmHandleSet(workshop, caller, *session, handle_set_id, cancel);
 
-  auto mesh = WarmMesh(engine, caller, **session, mesh_id, cancel);
-  if (!mesh) return Fail(std::move(mesh.error()));
-  const std::size_t vertices = mesh->mesh->mesh().vertices.size();
-  auto room = engine.derived.Reserve(caller, CompilationBytes(vertices, RowsOf(handles, vertices)));
-  if (!room) return Fail(std::move(room.error()));
-  auto compiled = CompiledHandles::Compile(mesh->mesh, handles, cancel);
-  if (!compiled) return Fail(std::move(compiled.error()));
-  auto stored = engine.sessions.Change(caller, **session, [&](store::SessionRecord& record) {
-    return HasSet(record, handle_set_id, mesh_id, handles, engine.limits)
-        .and_then([&](bool there) -> Result<bool> {
-          if (there) return false;
-          if (auto good = CheckMesh(record, *mesh); !good) return Fail(good.error());
-          record.handle_sets[handle_set_id] = {mesh_id, handles, 1};
-          return true;
-        });
-  });
-  if (!stored) return Fail(std::move(stored.error()));
-  return KeepWarm(engine, (*session)->key(), mesh->content_hash,
-                  {handle_set_id, mesh_id, handles, *std::move(compiled),
-                   (*stored)->handle_sets.at(handle_set_id).revision});
+  TRY(const auto mesh, WarmMesh(workshop, caller, *session, mesh_id, cancel));
+  const std::size_t vertices = mesh.mesh->mesh().vertices.size();
+  TRY(const auto room,
+      workshop.derived.Reserve(caller, CompilationBytes(vertices, RowsOf(handles, vertices))));
+  TRY(auto compiled, CompiledHandles::Compile(mesh.mesh, handles, cancel));
+  const auto add = [&](store::SessionRecord& record) -> Result<bool> {
+    TRY(const bool there, HasSet(record, handle_set_id, mesh_id, handles, limits));
+    if (there) return false;
+    CHECK_OK(CheckMesh(record, mesh));
+    record.handle_sets[handle_set_id] = {mesh_id, store::MakeDefinitions(handles), 1};
+    return true;
+  };
+  TRY(const auto record, workshop.sessions.Change(caller, *session, add));
+  const store::HandleSetRecord& set = record->handle_sets.at(handle_set_id);
+  auto entry =
+      KeepWarm(workshop, session->key(), mesh.content_hash,
+               {handle_set_id, mesh_id, set.definitions, std::move(compiled), set.revision});
+  workshop.metrics.Phase(runtime::Phase::kCompile, working.Micros() * 1e-6);
+  return entry;
 }
 
 Result<HandleSetEntry> EditEntry(const HandleSetEntry& entry,
@@ -103,68 +112,62 @@ Result<HandleSetEntry> EditEntry(const HandleSetEntry& entry,
                                  const std::vector<Handle>& add, const Limits& limits,
                                  const CancelToken& cancel) {
   const std::set<std::string_view> gone(remove.begin(), remove.end());
-  const std::size_t known = entry.definitions.size();
+  const std::size_t known = entry.definitions->size();
   const std::size_t left = known > gone.size() ? known - gone.size() : 0;
-  if (auto count = CheckCount(left + add.size(), limits, "add"); !count) {
-    return Fail(std::move(count.error()));
-  }
+  CHECK_OK(CheckCount(left + add.size(), limits, "add"));
   auto compiled = entry.handles->Edit(remove, add, cancel);
   if (!compiled) {
     compiled.error().Field(FieldOfEdit(compiled.error().field));
     return Fail(std::move(compiled.error()));
   }
-  return HandleSetEntry{entry.handle_set_id, entry.mesh_id,
-                        EditDefinitions(entry.definitions, remove, add), *std::move(compiled),
-                        entry.revision + 1};
+  return HandleSetEntry{entry.handle_set_id, entry.mesh_id, Edited(*entry.definitions, remove, add),
+                        *std::move(compiled), entry.revision + 1};
 }
 
-Result<HandleSetEntry> EditHandles(Engine& engine, const Caller& caller,
+Result<HandleSetEntry> EditHandles(Workshop& workshop, const Caller& caller,
                                    const std::string& session_id, const std::string& handle_set_id,
                                    const std::vector<std::string>& remove,
                                    const std::vector<Handle>& add, const CancelToken& cancel) {
-  auto session = engine.sessions.Use(caller.owner, session_id);
-  if (!session) return Fail(std::move(session.error()));
+  const runtime::Stopwatch working;
+  TRY(const auto session, workshop.sessions.Use(caller.owner, session_id));
   for (;;) {
-    auto entry = WarmHandleSet(engine, caller, **session, handle_set_id, cancel);
-    if (!entry) return entry;
-    const std::size_t vertices = entry->handles->mesh()->mesh().vertices.size();
-    auto room = engine.derived.Reserve(
-        caller, CompilationBytes(vertices, entry->handles->rows() + RowsOf(add, vertices)));
-    if (!room) return Fail(std::move(room.error()));
-    auto edited = EditEntry(*entry, remove, add, engine.limits, cancel);
-    if (!edited) return edited;
+    TRY(const auto entry, WarmHandleSet(workshop, caller, *session, handle_set_id, cancel));
+    const std::size_t vertices = entry.handles->mesh()->mesh().vertices.size();
+    TRY(const auto room,
+        workshop.derived.Reserve(
+            caller, CompilationBytes(vertices, entry.handles->rows() + RowsOf(add, vertices))));
+    TRY(auto edited, EditEntry(entry, remove, add, workshop.limits, cancel));
     std::string blob;
-    auto stored = engine.sessions.Change(
-        caller, **session, [&](store::SessionRecord& record) -> Result<bool> {
-          auto set = FindHandleSet(record, handle_set_id);
-          if (!set) return Fail(std::move(set.error()));
-          // Another edit came first, or another set has the id now: do this one on that.
-          if (set->revision != entry->revision ||
-              !SameDefinitions(set->definitions, entry->definitions)) {
-            return false;
-          }
-          blob = record.meshes.at(set->mesh_id).blob;
-          record.handle_sets[handle_set_id] = {set->mesh_id, edited->definitions, edited->revision};
-          return true;
-        });
-    if (!stored) return Fail(std::move(stored.error()));
-    if (!blob.empty()) return KeepWarm(engine, (*session)->key(), blob, *std::move(edited));
+    const auto replace = [&](store::SessionRecord& record) -> Result<bool> {
+      TRY(const auto set, FindHandleSet(record, handle_set_id));
+      // Another edit came first, or another set has the id now: do this one on that.
+      if (set.revision != entry.revision ||
+          !store::SameDefinitions(set.definitions, entry.definitions)) {
+        return false;
+      }
+      blob = record.meshes.at(set.mesh_id).blob;
+      record.handle_sets[handle_set_id] = {set.mesh_id, edited.definitions, edited.revision};
+      return true;
+    };
+    TRY(const auto stored, workshop.sessions.Change(caller, *session, replace));
+    if (blob.empty()) continue;
+    edited = KeepWarm(workshop, session->key(), blob, std::move(edited));
+    workshop.metrics.Phase(runtime::Phase::kEdit, working.Micros() * 1e-6);
+    return edited;
   }
 }
 
-Status DeleteHandleSet(Engine& engine, const Caller& caller, const std::string& session_id,
+Status DeleteHandleSet(Workshop& workshop, const Caller& caller, const std::string& session_id,
                        const std::string& handle_set_id) {
-  auto session = engine.sessions.Use(caller.owner, session_id);
-  if (!session) return Fail(std::move(session.error()));
-  auto stored =
-      engine.sessions.Change(caller, **session, [&](store::SessionRecord& record) -> Result<bool> {
-        if (record.handle_sets.erase(handle_set_id) == 0) {
-          return Fail(NotFound("handle set", handle_set_id));
-        }
-        return true;
-      });
-  if (!stored) return Fail(std::move(stored.error()));
-  engine.ReleaseHandleSet((*session)->key(), handle_set_id);
+  TRY(const auto session, workshop.sessions.Use(caller.owner, session_id));
+  const auto remove = [&](store::SessionRecord& record) -> Result<bool> {
+    if (record.handle_sets.erase(handle_set_id) == 0) {
+      return Fail(NotFound("handle set", handle_set_id));
+    }
+    return true;
+  };
+  TRY(const auto stored, workshop.sessions.Change(caller, *session, remove));
+  workshop.ReleaseHandleSet(session->key(), handle_set_id);
   return {};
 }
 

@@ -8,8 +8,7 @@
 #include "arap/base/result.h"
 #include "arap/model/handle.h"
 #include "server/access/caller.h"
-#include "server/engine.h"
-#include "server/sessions/entries.h"
+#include "server/sessions/rebuild.h"
 
 namespace arap::app {
 
@@ -17,7 +16,7 @@ namespace arap::app {
 // Compiling the same handles under the same id again is harmless. Faults: kInvalidName, kNotFound,
 // kTooManyHandles, kAlreadyExists, kLimitExceeded, those of CompiledHandles::Compile and of the
 // store.
-Result<HandleSetEntry> CompileHandles(Engine& engine, const Caller& caller,
+Result<HandleSetEntry> CompileHandles(Workshop& workshop, const Caller& caller,
                                       const std::string& session_id, const std::string& mesh_id,
                                       const std::string& handle_set_id,
                                       const std::vector<Handle>& handles,
@@ -26,7 +25,7 @@ Result<HandleSetEntry> CompileHandles(Engine& engine, const Caller& caller,
 // Removes, then adds, and stores the next revision. Edits of one set that meet are done one after
 // the other. Faults: kNotFound, kUnknownHandle, kTooManyHandles and those of Compile with fields
 // "add[i]…".
-Result<HandleSetEntry> EditHandles(Engine& engine, const Caller& caller,
+Result<HandleSetEntry> EditHandles(Workshop& workshop, const Caller& caller,
                                    const std::string& session_id, const std::string& handle_set_id,
                                    const std::vector<std::string>& remove,
                                    const std::vector<Handle>& add, const CancelToken& cancel);
@@ -38,7 +37,7 @@ Result<HandleSetEntry> EditEntry(const HandleSetEntry& entry,
                                  const CancelToken& cancel);
 
 // kNotFound.
-Status DeleteHandleSet(Engine& engine, const Caller& caller, const std::string& session_id,
+Status DeleteHandleSet(Workshop& workshop, const Caller& caller, const std::string& session_id,
                        const std::string& handle_set_id);
 
 }  // namespace arap::app

@@ -2,6 +2,4 @@
 
 #include <fmt/format.h>
 
-namespace arap::app {
-
-}  // namespace arap::app
+namespace arap::app {}  // namespace arap::app

@@ -5,8 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "core/base/names.h"
 #include "core/base/try.h"
-#include "server/sessions/names.h"
+#include "server/budget/faults.h"
 
 namespace arap::app {
 namespace {
@@ -37,6 +38,18 @@ void Session::Replace(Record record) {
   const MutexLock lock(&mutex_);
   stored_expires_ = record->expires;
   record_.swap(record);
+}
+
+void Session::Reload(store::SessionRecord record) {
+  const Record before = this->record();
+  for (auto& [id, set] : record.handle_sets) {
+    const auto known = before->handle_sets.find(id);
+    if (known != before->handle_sets.end() &&
+        store::SameDefinitions(known->second.definitions, set.definitions)) {
+      set.definitions = known->second.definitions;
+    }
+  }
+  Replace(std::make_shared<const store::SessionRecord>(std::move(record)));
 }
 
 runtime::Clock::Wall Session::WallExpiryLocked() const {

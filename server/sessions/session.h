@@ -15,7 +15,7 @@
 #include "core/base/mutex.h"
 #include "server/budget/limits.h"
 #include "server/runtime/clock.h"
-#include "server/store/session_record.h"
+#include "server/store/store.h"
 
 namespace arap::app {
 
@@ -56,6 +56,9 @@ class Session {
   const store::SessionKey& key() const { return key_; }
   Record record() const;
   void Replace(Record record);
+  // Replaces it by what was read from the store; handle sets that are as they were keep their
+  // lists, so that they are found to be the same without comparing handles.
+  void Reload(store::SessionRecord record);
   SessionView View() const;
 
   // Extends the life to a ttl from now. Never blocks. kNotFound when it has ended or expired.

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/base/mutex.h"
-#include "server/store/session_record.h"
+#include "server/store/store.h"
 
 namespace arap::app {
 

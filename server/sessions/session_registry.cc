@@ -5,8 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "core/base/names.h"
 #include "core/base/try.h"
-#include "server/sessions/names.h"
+#include "server/budget/faults.h"
 
 namespace arap::app {
 namespace {
@@ -145,13 +146,13 @@ Result<SessionRegistry::Found> SessionRegistry::Load(const Held& held, const sto
     }
     return Fail(NotFound("session", key.id));
   }
-  auto record = std::make_shared<const store::SessionRecord>(*std::move(loaded));
   if (session) {
-    session->Replace(std::move(record));
+    session->Reload(*std::move(loaded));
     return session;
   }
   session =
-      std::make_shared<Session>(std::move(record), clock_.SteadyNow() + (expires - now), clock_);
+      std::make_shared<Session>(std::make_shared<const store::SessionRecord>(*std::move(loaded)),
+                                clock_.SteadyNow() + (expires - now), clock_);
   const MutexLock lock(&mutex_);
   return sessions_.emplace(key, std::move(session)).first->second;
 }
@@ -274,7 +275,7 @@ Result<Session::Record> SessionRegistry::Change(const Caller& caller, Session& s
       if (const Found ours = InMemory(session.key()); ours.get() == &session) Drop(held, ours);
       return Fail(NotFound("session", session.key().id));
     }
-    session.Replace(std::make_shared<const store::SessionRecord>(*std::move(now)));
+    session.Reload(*std::move(now));
   }
 }
 

@@ -17,7 +17,7 @@
 #include "server/runtime/clock.h"
 #include "server/sessions/session.h"
 #include "server/sessions/session_locks.h"
-#include "server/store/spec_store.h"
+#include "server/store/store.h"
 
 namespace arap::app {
 

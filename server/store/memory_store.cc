@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "server/store/store_fault.h"
+#include "server/store/store.h"
 
 namespace arap::store {
 

@@ -6,8 +6,7 @@
 #include <string>
 
 #include "core/base/mutex.h"
-#include "server/store/blobs/blob_store.h"
-#include "server/store/spec_store.h"
+#include "server/store/store.h"
 
 namespace arap::store {
 

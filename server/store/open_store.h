@@ -1,4 +1,4 @@
-// OpenStores: from what the configuration says to stores that are open.
+// Stores: opening what the configuration names, and measuring what it does.
 #pragma once
 
 #include <functional>
@@ -7,9 +7,8 @@
 #include <string>
 
 #include "arap/base/result.h"
-#include "server/store/blobs/blob_store.h"
-#include "server/store/recovery.h"
-#include "server/store/spec_store.h"
+#include "server/runtime/metrics.h"
+#include "server/store/store.h"
 
 namespace arap::store {
 
@@ -37,6 +36,10 @@ struct Stores {
 // kStoreUnavailable, naming the directory, for one that cannot be used or is in use by another
 // server. No fault names a password.
 Result<Stores> OpenStores(const StoreOptions& options);
+
+// The same stores, with the time and the outcome of every call in the metrics, which outlive them.
+// There the calls are named "load", "put", "blob_put", ….
+Stores Measured(Stores stores, runtime::Metrics& metrics);
 
 // The store as it may be logged: without its password.
 std::string StoreForLog(const StoreOptions& options);

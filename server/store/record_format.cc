@@ -1,13 +1,14 @@
 #include "server/store/record_format.h"
 
 #include <bit>
+#include <charconv>
 #include <cmath>
+#include <string>
+#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-
-#include "server/store/record_reader.h"
 
 namespace arap::store {
 namespace {
@@ -15,6 +16,92 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::uint64_t kFormat = 1;
+
+// Takes JSON apart without trusting it. Every read of a value that is missing or of another type
+// leaves its target as it was and makes the reader bad for good; so one question at the end is
+// enough. Never throws.
+class RecordReader {
+ public:
+  bool good() const { return good_; }
+  bool Check(bool condition) {
+    good_ = good_ && condition;
+    return condition;
+  }
+
+  // The member `name`, null when there is none.
+  const Json& At(const Json& json, const char* name);
+  // The same, an empty array or object when it is nothing of the kind.
+  const Json& Array(const Json& json, const char* name);
+  const Json& Object(const Json& json, const char* name);
+
+  void Bool(const Json& json, const char* name, bool& value);
+  void String(const Json& json, std::string& value);
+  void String(const Json& json, const char* name, std::string& value) {
+    String(At(json, name), value);
+  }
+  // A number, or 16 hexadecimal digits with the bits of one that is not finite.
+  void Double(const Json& json, double& value);
+
+  // An integer that fits.
+  template <class T>
+  void Number(const Json& json, const char* name, T& value) {
+    static_assert(std::is_integral_v<T>);
+    const Json& at = At(json, name);
+    if (at.is_number_unsigned()) {
+      const auto number = at.get<Json::number_unsigned_t>();
+      if (Check(std::in_range<T>(number))) value = static_cast<T>(number);
+    } else if (Check(at.is_number_integer())) {
+      const auto number = at.get<Json::number_integer_t>();
+      if (Check(std::in_range<T>(number))) value = static_cast<T>(number);
+    }
+  }
+
+ private:
+  bool good_ = true;
+};
+
+const Json& RecordReader::At(const Json& json, const char* name) {
+  static const Json& nothing = *new Json;
+  if (!Check(json.is_object())) return nothing;
+  const auto found = json.find(name);
+  return Check(found != json.end()) ? *found : nothing;
+}
+
+const Json& RecordReader::Array(const Json& json, const char* name) {
+  static const Json& empty = *new Json(Json::array());
+  const Json& at = At(json, name);
+  return Check(at.is_array()) ? at : empty;
+}
+
+const Json& RecordReader::Object(const Json& json, const char* name) {
+  static const Json& empty = *new Json(Json::object());
+  const Json& at = At(json, name);
+  return Check(at.is_object()) ? at : empty;
+}
+
+void RecordReader::Bool(const Json& json, const char* name, bool& value) {
+  const Json& at = At(json, name);
+  if (Check(at.is_boolean())) value = at.get<bool>();
+}
+
+void RecordReader::String(const Json& json, std::string& value) {
+  if (Check(json.is_string())) value = json.get_ref<const std::string&>();
+}
+
+void RecordReader::Double(const Json& json, double& value) {
+  if (json.is_number()) {
+    value = json.get<double>();
+    return;
+  }
+  if (!Check(json.is_string())) return;
+  const auto& digits = json.get_ref<const std::string&>();
+  const char* end = digits.data() + digits.size();
+  std::uint64_t bits = 0;
+  const auto read = std::from_chars(digits.data(), end, bits, 16);
+  if (!Check(digits.size() == 16 && read.ec == std::errc{} && read.ptr == end)) return;
+  value = std::bit_cast<double>(bits);
+  Check(!std::isfinite(value));
+}
 
 // JSON has no infinities.
 Json ToJson(double number) {
@@ -89,9 +176,11 @@ HandleSetRecord ReadHandleSet(RecordReader& reader, const Json& json) {
   HandleSetRecord set;
   reader.String(json, "mesh_id", set.mesh_id);
   reader.Number(json, "revision", set.revision);
+  std::vector<Handle> handles;
   for (const Json& handle : reader.Array(json, "handles")) {
-    set.definitions.push_back(ReadHandle(reader, handle));
+    handles.push_back(ReadHandle(reader, handle));
   }
+  set.definitions = MakeDefinitions(std::move(handles));
   return set;
 }
 
@@ -127,7 +216,7 @@ Json RecordToJson(const SessionRecord& record) {
   for (const auto& [id, mesh] : record.meshes) meshes[id] = {{"blob", mesh.blob}};
   for (const auto& [id, set] : record.handle_sets) {
     Json handles = Json::array();
-    for (const Handle& handle : set.definitions) handles.push_back(HandleToJson(handle));
+    for (const Handle& handle : *set.definitions) handles.push_back(HandleToJson(handle));
     handle_sets[id] = {
         {"mesh_id", set.mesh_id}, {"revision", set.revision}, {"handles", std::move(handles)}};
   }

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "arap/base/result.h"
-#include "server/store/session_record.h"
+#include "server/store/store.h"
 
 namespace arap::store {
 

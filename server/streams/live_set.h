@@ -10,7 +10,7 @@
 #include "arap/base/result.h"
 #include "arap/core/deformer.h"
 #include "server/budget/limits.h"
-#include "server/sessions/entries.h"
+#include "server/sessions/rebuild.h"
 
 namespace arap::runtime {
 class Metrics;

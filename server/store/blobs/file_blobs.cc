@@ -13,7 +13,7 @@
 
 #include "core/token/sha256.h"
 #include "server/store/blobs/files.h"
-#include "server/store/store_fault.h"
+#include "server/store/store.h"
 
 namespace arap::store {
 namespace {

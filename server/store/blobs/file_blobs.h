@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "server/store/blobs/blob_store.h"
+#include "server/store/store.h"
 
 namespace arap::store {
 

@@ -1,15 +1,17 @@
-// Redis: a thin hull around one connection of hiredis.
+// Redis: a thin hull around connections of hiredis.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <hiredis/hiredis.h>
 
 #include "arap/base/result.h"
+#include "core/base/mutex.h"
 #include "server/store/redis/redis_url.h"
 
 namespace arap::store {
@@ -61,6 +63,40 @@ class RedisConnection {
 
   std::unique_ptr<redisContext, Free> context_;
   bool timed_out_ = false;
+};
+
+// RedisPool: connections to one Redis, as many as there are calls at a time.
+//
+// Thread-safe. Connects when it has to, and again after Redis was gone. A call that finds its
+// connection broken tries once on a new one; so a command may have run twice.
+class RedisPool {
+ public:
+  // `timeout` bounds connecting and every command.
+  RedisPool(RedisUrl url, std::chrono::milliseconds timeout)
+      : url_(std::move(url)), timeout_(timeout) {}
+
+  // As RedisConnection::Run. After a timeout all calls fail at once for as long as it took, so
+  // that callers do not queue up before a Redis that hangs.
+  Result<std::vector<RedisReply>> Run(const std::vector<RedisCommand>& commands);
+
+ private:
+  using Connection = std::unique_ptr<RedisConnection>;
+
+  // Kept when nobody uses them.
+  static constexpr std::size_t kMaxIdle = 8;
+
+  Connection TakeIdle();
+  Status CheckAlive();
+  Result<Connection> Connect();
+  void Keep(Connection connection);
+  // A connection broke: the others of its age are no better.
+  void Broke(bool timed_out);
+
+  const RedisUrl url_;
+  const std::chrono::milliseconds timeout_;
+  Mutex mutex_;
+  std::vector<Connection> idle_ ABSL_GUARDED_BY(mutex_);
+  std::chrono::steady_clock::time_point dead_until_ ABSL_GUARDED_BY(mutex_){};
 };
 
 }  // namespace arap::store

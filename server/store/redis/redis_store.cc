@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "server/store/record_format.h"
-#include "server/store/store_fault.h"
+#include "server/store/store.h"
 
 namespace arap::store {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "server/store/redis/redis_pool.h"
+#include "server/store/redis/redis.h"
 #include "server/store/redis/redis_scripts.h"
-#include "server/store/spec_store.h"
+#include "server/store/store.h"
 
 namespace arap::store {
 

@@ -7,10 +7,9 @@
 #include <sys/stat.h>
 
 #include "server/store/record_format.h"
-#include "server/store/sqlite/sqlite_fault.h"
-#include "server/store/sqlite/sqlite_open.h"
-#include "server/store/sqlite/sqlite_recovery.h"
-#include "server/store/store_fault.h"
+#include "server/store/sqlite/session_database.h"
+#include "server/store/sqlite/sqlite.h"
+#include "server/store/store.h"
 
 namespace arap::store {
 namespace {
@@ -57,6 +56,7 @@ Result<std::unique_ptr<SqliteSpecStore>> SqliteSpecStore::Open(const std::string
   store->directory_ = directory;
   store->listener_ = std::move(listener);
   store->recovery_ = std::move(opened->recovery);
+  const MutexLock lock(&store->mutex_);
   store->database_ = std::move(opened->database);
   return store;
 }
@@ -81,7 +81,7 @@ Status SqliteSpecStore::EnsureOpen() {
 
 template <class T, class Body>
 Result<T> SqliteSpecStore::With(const Body& body) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   for (bool again = true;; again = false) {
     if (auto open = EnsureOpen(); !open) return Fail(open.error());
     SqliteResult<T> result = body(*database_);

@@ -3,15 +3,14 @@
 
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
+#include "core/base/mutex.h"
 #include "server/store/blobs/files.h"
-#include "server/store/recovery.h"
-#include "server/store/spec_store.h"
+#include "server/store/sqlite/session_rows.h"
 #include "server/store/sqlite/sqlite.h"
-#include "server/store/sqlite/sqlite_records.h"
+#include "server/store/store.h"
 
 namespace arap::store {
 
@@ -57,17 +56,16 @@ class SqliteSpecStore final : public SpecStore {
   // more on a recovered one.
   template <class T, class Body>
   Result<T> With(const Body& body);
-  // With the mutex held.
-  Status EnsureOpen();
-  bool IsInPlace() const;
+  Status EnsureOpen() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool IsInPlace() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   std::string directory_;
   Listener listener_;
   std::optional<Recovery> recovery_;
   FileLock lock_;
-  std::mutex mutex_;
-  std::optional<Sqlite> database_;  // guarded by mutex_; nothing after a fault
-  bool damaged_ = false;            // guarded by mutex_
+  Mutex mutex_;
+  std::optional<Sqlite> database_ ABSL_GUARDED_BY(mutex_);  // nothing after a fault
+  bool damaged_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace arap::store

@@ -8,9 +8,9 @@
 
 #include "server/engine.h"
 #include "server/sessions/handle_sets.h"
+#include "server/sessions/meshes.h"
 #include "server/sessions/names.h"
-#include "server/sessions/registration.h"
-#include "server/sessions/warm.h"
+#include "server/sessions/rebuild.h"
 #include "server/streams/live_set.h"
 #include "server/streams/targets.h"
 #include "tests/support/fake_clock.h"
@@ -166,7 +166,7 @@ TEST_F(AppTest, EditsThatMeetAreDoneOneOnTheOther) {
   EXPECT_TRUE(interfered);
   EXPECT_EQ(both->revision, 3u);
   EXPECT_EQ(both->handles->handles().size(), 3u);
-  EXPECT_EQ(FindHandleSet(*session->record(), "h")->definitions.size(), 3u);
+  EXPECT_EQ(FindHandleSet(*session->record(), "h")->definitions->size(), 3u);
 }
 
 class PoseTest : public AppTest {

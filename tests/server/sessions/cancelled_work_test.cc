@@ -7,8 +7,8 @@
 #include "server/budget/estimate.h"
 #include "server/engine.h"
 #include "server/sessions/handle_sets.h"
-#include "server/sessions/registration.h"
-#include "server/sessions/warm.h"
+#include "server/sessions/meshes.h"
+#include "server/sessions/rebuild.h"
 #include "tests/support/fake_clock.h"
 #include "tests/support/meshes.h"
 

@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "server/runtime/fake_clock.h"
 #include "server/sessions/session_locks.h"
 #include "server/sessions/session_registry.h"
 #include "tests/server/sessions/gated_store.h"
 #include "tests/support/eventually.h"
+#include "tests/support/fake_clock.h"
 
 namespace arap::app {
 namespace {
@@ -65,7 +65,7 @@ class SessionLockTest : public ::testing::Test {
 
   const Caller ann_{"ann", Role::kUser, {}};
   const Caller ben_{"ben", Role::kUser, {}};
-  const Limits limits_;
+  const Limits limits_{};
   runtime::FakeClock clock_;
   GatedStore store_;
   SessionRegistry sessions_{limits_, clock_, store_, [](const store::SessionRecord&) {}};

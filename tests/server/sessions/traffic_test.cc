@@ -10,8 +10,8 @@
 #include "arap/core/deformer.h"
 #include "server/engine.h"
 #include "server/sessions/handle_sets.h"
-#include "server/sessions/registration.h"
-#include "server/sessions/warm.h"
+#include "server/sessions/meshes.h"
+#include "server/sessions/rebuild.h"
 #include "tests/support/fake_clock.h"
 #include "tests/support/meshes.h"
 
@@ -88,7 +88,7 @@ TEST_F(TrafficTest, NothingIsLost) {
     ASSERT_TRUE(session);
     const auto set = FindHandleSet(*(*session)->record(), "h");
     ASSERT_TRUE(set);
-    EXPECT_EQ(set->definitions.size(), 1u);
+    EXPECT_EQ(set->definitions->size(), 1u);
     EXPECT_EQ(set->revision, 1u + 2 * 2 * kRounds) << "every edit has counted";
     EXPECT_TRUE(engine_.sessions.Delete(caller.owner, "s"));
   }

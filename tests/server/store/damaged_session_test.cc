@@ -83,7 +83,7 @@ class DamagedSession : public ::testing::Test {
   }
 
   const Caller ann_{"ann", Role::kUser, {}};
-  const Limits limits_;
+  const Limits limits_{};
   runtime::FakeClock clock_;
   testing::TempDir dir_;
   std::optional<testing::RedisServer> redis_;

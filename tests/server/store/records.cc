@@ -96,9 +96,10 @@ std::string Difference(const Handle& a, const Handle& b) {
 std::string Difference(const store::HandleSetRecord& a, const store::HandleSetRecord& b) {
   if (a.mesh_id != b.mesh_id) return "mesh_id";
   if (a.revision != b.revision) return "revision of a handle set";
-  if (a.definitions.size() != b.definitions.size()) return "number of handles";
-  for (std::size_t i = 0; i < a.definitions.size(); ++i) {
-    if (auto what = Difference(a.definitions[i], b.definitions[i]); !what.empty()) return what;
+  if (a.definitions->size() != b.definitions->size()) return "number of handles";
+  for (std::size_t i = 0; i < a.definitions->size(); ++i) {
+    if (auto what = Difference((*a.definitions)[i], (*b.definitions)[i]); !what.empty())
+      return what;
   }
   return {};
 }
@@ -119,7 +120,7 @@ SessionRecord PlainRecord(const std::string& owner, const std::string& id, char 
   Handle handle;
   handle.id = "nose";
   handle.anchor = PointAnchor{{0.1, -0.2}};
-  record.handle_sets["drag"] = {"face", {handle}, 1};
+  record.handle_sets["drag"] = {"face", store::MakeDefinitions({handle}), 1};
   return record;
 }
 
@@ -137,7 +138,9 @@ SessionRecord RandomRecord(Random& random) {
   }
   for (std::size_t i = random.Below(3); i > 0; --i) {
     store::HandleSetRecord set{AnyText(random), {}, Bits(random)};
-    for (std::size_t j = random.Below(5); j > 0; --j) set.definitions.push_back(AnyHandle(random));
+    std::vector<Handle> handles;
+    for (std::size_t j = random.Below(5); j > 0; --j) handles.push_back(AnyHandle(random));
+    set.definitions = store::MakeDefinitions(std::move(handles));
     record.handle_sets[AnyText(random)] = std::move(set);
   }
   return record;

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "server/store/session_record.h"
+#include "server/store/store.h"
 #include "tests/support/random.h"
 
 namespace arap::testing {

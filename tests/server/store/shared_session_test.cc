@@ -29,7 +29,7 @@ struct Server {
     sessions.emplace(limits, clock, *stores.specs, [](const store::SessionRecord&) {});
   }
 
-  const Limits limits;
+  const Limits limits{};
   store::Stores stores;
   std::optional<SessionRegistry> sessions;
 };

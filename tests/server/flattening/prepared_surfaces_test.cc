@@ -1,9 +1,8 @@
 // Below the wire: the cache of prepared surfaces and the moments at which a flattening can end.
+#include "server/flattening/prepared_surfaces.h"
+
 #include <gtest/gtest.h>
 
-#include "server/flattening/flatten_cache.h"
-#include "server/flattening/flatten_surface.h"
-#include "server/sessions/content_hash.h"
 #include "tests/support/fake_clock.h"
 #include "tests/support/surfaces.h"
 
@@ -17,7 +16,8 @@ struct Cache {
 
   runtime::FakeClock clock;
   DerivedCache derived;
-  FlattenCache surfaces{derived};
+  runtime::Metrics metrics;
+  PreparedSurfaces surfaces{derived, metrics, {}};
 };
 
 std::shared_ptr<const PreparedSurface> Prepared(std::size_t sectors) {
@@ -26,7 +26,7 @@ std::shared_ptr<const PreparedSurface> Prepared(std::size_t sectors) {
   return *std::move(surface);
 }
 
-TEST(FlattenCacheTest, BytesAreBounded) {
+TEST(PreparedSurfacesTest, BytesAreBounded) {
   const auto small = Prepared(10);
   const auto large = Prepared(25);
   ASSERT_GT(large->bytes(), 2 * small->bytes());
@@ -47,7 +47,7 @@ TEST(FlattenCacheTest, BytesAreBounded) {
   EXPECT_EQ(large.use_count(), 1) << "what is pushed out is freed";
 }
 
-TEST(FlattenCacheTest, TooLargeIsNotKept) {
+TEST(PreparedSurfacesTest, TooLargeIsNotKept) {
   const auto surface = Prepared(10);
   Cache room(10, surface->bytes() - 1);
   room.surfaces.Keep("ann", "a", "1", surface);
@@ -55,7 +55,7 @@ TEST(FlattenCacheTest, TooLargeIsNotKept) {
   EXPECT_EQ(room.surfaces.bytes(), 0u);
 }
 
-TEST(FlattenCacheTest, GrowthIsCounted) {
+TEST(PreparedSurfacesTest, GrowthIsCounted) {
   const auto surface = Prepared(10);
   const std::size_t before = surface->bytes();
   Cache room(10, 1u << 30u);
@@ -101,13 +101,12 @@ struct Countdown {
 void ExpectEndsWhenever(const SurfaceMesh& mesh, const FlattenOptions& options, int at_least) {
   Countdown free{1 << 20};
   Cache room(4, 1u << 30u);
-  ASSERT_TRUE(FlattenSurface(room.surfaces, "ann", "", mesh, options, {}, free.token));
+  ASSERT_TRUE(room.surfaces.Flatten({}, "", mesh, options, free.token));
   EXPECT_GE(free.asked, at_least) << "between the phases and in the long loops";
   for (int n = 0; n < free.asked; ++n) {
     Countdown countdown{n};
-    const auto flat =
-        FlattenSurface(room.surfaces, "ann", n % 2 == 0 ? "" : "key" + std::to_string(n), mesh,
-                       options, {}, countdown.token);
+    const auto flat = room.surfaces.Flatten({}, n % 2 == 0 ? "" : "key" + std::to_string(n), mesh,
+                                            options, countdown.token);
     ASSERT_FALSE(flat) << n;
     EXPECT_EQ(flat.error().kind, FaultKind::kCancelled) << n;
     EXPECT_EQ(countdown.asked, n + 1) << "the first no is enough";

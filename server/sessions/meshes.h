@@ -1,4 +1,4 @@
-// Registration: a mesh enters a session, sharing the factors of an equal one.
+// Meshes: how one enters a session, sharing the factors of an equal one, and leaves it.
 #pragma once
 
 #include <string>
@@ -8,8 +8,7 @@
 #include "arap/model/energy.h"
 #include "arap/model/mesh.h"
 #include "server/access/caller.h"
-#include "server/engine.h"
-#include "server/sessions/entries.h"
+#include "server/sessions/rebuild.h"
 
 namespace arap::app {
 
@@ -22,13 +21,13 @@ struct Registration {
 // `mesh_id` stands for the first 32 digits of the content hash. Takes as long as the factorisation:
 // for the job lane. Faults: kInvalidName, kNotFound, kMeshTooLarge, kAlreadyExists, kLimitExceeded,
 // those of RegisteredMesh::Register and of the store; nothing is kept then.
-Result<Registration> RegisterMesh(Engine& engine, const Caller& caller,
+Result<Registration> RegisterMesh(Workshop& workshop, const Caller& caller,
                                   const std::string& session_id, std::string mesh_id,
                                   PlanarMesh mesh, const EnergyOptions& options,
                                   const CancelToken& cancel);
 
 // Forgets it and the handle sets on it. kNotFound.
-Status DeleteMesh(Engine& engine, const Caller& caller, const std::string& session_id,
+Status DeleteMesh(Workshop& workshop, const Caller& caller, const std::string& session_id,
                   const std::string& mesh_id);
 
 }  // namespace arap::app

@@ -1,4 +1,4 @@
-#include "server/store/store_fault.h"
+#include "server/store/store.h"
 
 #include <system_error>
 

@@ -1,12 +1,13 @@
-// Opening the database of sessions in a directory.
+// The database of sessions in a directory: how it is opened, and how a damaged one is replaced by a
+// new one with all that can be read.
 #pragma once
 
 #include <optional>
 #include <string>
 
 #include "arap/base/result.h"
-#include "server/store/recovery.h"
 #include "server/store/sqlite/sqlite.h"
+#include "server/store/store.h"
 
 namespace arap::store {
 

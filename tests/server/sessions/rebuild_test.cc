@@ -1,5 +1,5 @@
 // What was computed is evicted, rebuilt, survives its process, and belongs to its owner.
-#include "server/sessions/warm.h"
+#include "server/sessions/rebuild.h"
 
 #include <memory>
 #include <random>
@@ -10,7 +10,7 @@
 #include "arap/core/deformer.h"
 #include "server/engine.h"
 #include "server/sessions/handle_sets.h"
-#include "server/sessions/registration.h"
+#include "server/sessions/meshes.h"
 #include "tests/support/fake_clock.h"
 #include "tests/support/meshes.h"
 
@@ -124,10 +124,26 @@ TEST_F(WarmTest, ASetThatAnotherServerHasChangedIsNotWarm) {
   EXPECT_TRUE(IsWarmHandleSet(*engine_, *session, "h"));
   ASSERT_TRUE(
       engine_->sessions.Change(ann_, *session, [](store::SessionRecord& record) -> Result<bool> {
-        record.handle_sets.at("h").definitions = AtVertices({0, 17});
+        record.handle_sets.at("h").definitions = store::MakeDefinitions(AtVertices({0, 17}));
         return true;
       }));
   EXPECT_FALSE(IsWarmHandleSet(*engine_, *session, "h"));
+}
+
+// A frame of one set must not cost what the set has in handles.
+TEST_F(WarmTest, AWarmSetSharesItsDefinitions) {
+  Open(ann_, "s");
+  ASSERT_TRUE(Register(ann_, "s", "m"));
+  ASSERT_TRUE(CompileHandles(*engine_, ann_, "s", "m", "h", AtVertices({0, 80}), {}));
+  const auto session = Use(ann_, "s");
+  const auto stored = [&] { return session->record()->handle_sets.at("h").definitions; };
+  EXPECT_EQ(WarmHandleSet(*engine_, ann_, *session, "h", {})->definitions, stored());
+  // Read again from the store because something else has changed.
+  const auto before = stored();
+  auto record = **engine_->stores.specs->Load({"ann", "s"});
+  record.handle_sets.at("h").definitions = store::MakeDefinitions(AtVertices({0, 80}));
+  session->Reload(std::move(record));
+  EXPECT_EQ(stored(), before) << "the same list, not an equal one";
 }
 
 TEST_F(WarmTest, WhatAStreamHoldsIsNotEvicted) {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "arap/base/result.h"
-#include "server/store/session_record.h"
 #include "server/store/sqlite/sqlite.h"
+#include "server/store/store.h"
 
 namespace arap::store {
 

@@ -1,10 +1,10 @@
-#include "server/store/sqlite/sqlite_records.h"
+#include "server/store/sqlite/session_rows.h"
 
 #include <set>
 
 #include "core/token/sha256.h"
 #include "server/store/record_format.h"
-#include "server/store/store_fault.h"
+#include "server/store/store.h"
 
 namespace arap::store {
 namespace {

@@ -1,0 +1,57 @@
+// What a session names, computed: found in the cache, or rebuilt from what is stored after it was
+// evicted, after a restart or on another replica.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "arap/base/cancel.h"
+#include "arap/base/result.h"
+#include "arap/core/compiled_handles.h"
+#include "arap/core/registered_mesh.h"
+#include "server/access/caller.h"
+#include "server/sessions/session.h"
+#include "server/sessions/workshop.h"
+
+namespace arap::app {
+
+// A mesh under the id that the client gave it.
+struct MeshEntry {
+  std::string mesh_id;
+  std::string content_hash;  // also the name of its blob
+  std::shared_ptr<const RegisteredMesh> mesh;
+};
+
+// A handle set under the id that the client gave it.
+struct HandleSetEntry {
+  std::string handle_set_id;
+  std::string mesh_id;
+  // As the client gave them, after the edits so far; shared with the session's record.
+  store::HandleDefinitions definitions;
+  std::shared_ptr<const CompiledHandles> handles;
+  std::uint64_t revision = 1;  // grows by one with every edit
+};
+
+// Warm is what the next call finds in the cache. These never block. True also for what does not
+// exist: to say so is quick.
+bool IsWarmMesh(Workshop& workshop, const Session& session, const std::string& mesh_id);
+bool IsWarmHandleSet(Workshop& workshop, const Session& session, const std::string& handle_set_id);
+
+// The entries. When they are not warm this takes as long as registration and compilation: for the
+// job lane. A warm handle set costs two look-ups, whatever its size. Faults: kNotFound; kDataLoss
+// for a blob that is missing or damaged; kLimitExceeded when the memory is not to be had;
+// kStoreUnavailable; and what `cancel` answers.
+Result<MeshEntry> WarmMesh(Workshop& workshop, const Caller& caller, const Session& session,
+                           const std::string& mesh_id, const CancelToken& cancel);
+Result<HandleSetEntry> WarmHandleSet(Workshop& workshop, const Caller& caller,
+                                     const Session& session, const std::string& handle_set_id,
+                                     const CancelToken& cancel);
+
+// Keeps an entry that was just computed and stored. Returns the entry that is kept: the mesh of an
+// equal one that came first. `blob` names the mesh that the set was compiled on.
+MeshEntry KeepWarm(Workshop& workshop, const std::string& owner, MeshEntry entry);
+HandleSetEntry KeepWarm(Workshop& workshop, const store::SessionKey& session,
+                        const std::string& blob, HandleSetEntry entry);
+
+}  // namespace arap::app

@@ -1,0 +1,53 @@
+#include "server/sessions/workshop.h"
+
+#include <utility>
+
+#include "core/base/try.h"
+
+namespace arap::app {
+
+DerivedKey MeshKey(const std::string& owner, const std::string& blob) {
+  return {owner, DerivedKind::kMesh, blob};
+}
+
+DerivedKey HandleSetKey(const store::SessionKey& session, const std::string& handle_set_id) {
+  // No id has a slash.
+  return {session.owner, DerivedKind::kHandleSet, session.id + "/" + handle_set_id};
+}
+
+Workshop::Workshop(const Limits& the_limits, const runtime::Clock& the_clock,
+                   store::Stores the_stores)
+    : limits(the_limits),
+      clock(the_clock),
+      stores(store::Measured(std::move(the_stores), metrics)),
+      derived(limits.max_bytes, {limits.max_cached_surfaces, limits.max_cached_surface_bytes},
+              clock),
+      sessions(limits, clock, *stores.specs,
+               [this](const store::SessionRecord& record) { Release(record); }) {
+  derived.Listen(
+      {[this](DerivedKind kind, bool hit) {
+         hit ? metrics.CacheHit(NameOf(kind)) : metrics.CacheMiss(NameOf(kind));
+       },
+       [this](DerivedKind kind, std::size_t bytes) { metrics.Evicted(NameOf(kind), bytes); }});
+}
+
+Result<store::SweepReport> Workshop::CollectBlobs(std::chrono::seconds age) {
+  TRY(const auto referenced, stores.specs->ReferencedBlobs());
+  return stores.blobs->Sweep(referenced, age);
+}
+
+void Workshop::ReleaseHandleSet(const store::SessionKey& session,
+                                const std::string& handle_set_id) {
+  derived.Forget(HandleSetKey(session, handle_set_id));
+}
+
+void Workshop::ReleaseMesh(const std::string& owner, const std::string& blob) {
+  if (!sessions.InUse(owner, blob)) derived.Forget(MeshKey(owner, blob));
+}
+
+void Workshop::Release(const store::SessionRecord& record) {
+  for (const auto& [id, set] : record.handle_sets) ReleaseHandleSet(record.key, id);
+  for (const auto& [id, mesh] : record.meshes) ReleaseMesh(record.key.owner, mesh.blob);
+}
+
+}  // namespace arap::app

@@ -1,0 +1,45 @@
+// Workshop: what the use cases on sessions share — where sessions are kept and what is computed
+// from them.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <string>
+
+#include "server/budget/derived_cache.h"
+#include "server/budget/limits.h"
+#include "server/runtime/clock.h"
+#include "server/runtime/metrics.h"
+#include "server/sessions/session_registry.h"
+#include "server/store/open_store.h"
+
+namespace arap::app {
+
+// Under these keys the cache keeps what a session names.
+DerivedKey MeshKey(const std::string& owner, const std::string& blob);
+DerivedKey HandleSetKey(const store::SessionKey& session, const std::string& handle_set_id);
+
+// Thread-safe member by member.
+struct Workshop {
+  // `the_clock` outlives the workshop.
+  Workshop(const Limits& the_limits, const runtime::Clock& the_clock, store::Stores the_stores);
+  Workshop(const Workshop&) = delete;
+  Workshop& operator=(const Workshop&) = delete;
+
+  // Removes blobs that no record names and that are older than `age`.
+  Result<store::SweepReport> CollectBlobs(std::chrono::seconds age);
+
+  // Forgets what was computed for a session, or for a handle set or a mesh of it, that is no more.
+  void Release(const store::SessionRecord& record);
+  void ReleaseHandleSet(const store::SessionKey& session, const std::string& handle_set_id);
+  void ReleaseMesh(const std::string& owner, const std::string& blob);
+
+  runtime::Metrics metrics;  // first: the others count in it until their end
+  const Limits limits;
+  const runtime::Clock& clock;
+  const store::Stores stores;
+  DerivedCache derived;
+  SessionRegistry sessions;
+};
+
+}  // namespace arap::app
