@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/try.h"
 #include "server/runtime/stopwatch.h"
 #include "server/store/blobs/file_blobs.h"
 #include "server/store/blobs/files.h"
@@ -30,9 +31,8 @@ std::string WithoutSlash(std::string path) {
 }
 
 Status AddBlobs(const std::string& directory, Stores& stores) {
-  auto blobs = FileBlobStore::Open(directory);
-  if (!blobs) return Fail(blobs.error());
-  stores.blobs = *std::move(blobs);
+  TRY(auto blobs, FileBlobStore::Open(directory));
+  stores.blobs = std::move(blobs);
   return {};
 }
 
@@ -46,26 +46,24 @@ Result<Stores> OpenSqlite(const StoreOptions& options) {
     fault.message = fmt::format("{}: {}", directory, fault.message);
     return Fail(fault.Detail("directory", directory));
   }
-  auto specs = SqliteSpecStore::Open(directory, options.on_recovery);
-  if (!specs) return Fail(specs.error());
+  TRY(auto specs, SqliteSpecStore::Open(directory, options.on_recovery));
   Stores stores;
-  stores.recovery = (*specs)->recovery();
-  stores.specs = *std::move(specs);
+  stores.recovery = specs->recovery();
+  stores.specs = std::move(specs);
   const std::string blobs =
       options.blob_dir.empty() ? directory + "/blobs" : WithoutSlash(options.blob_dir);
-  if (auto added = AddBlobs(blobs, stores); !added) return Fail(added.error());
+  CHECK_OK(AddBlobs(blobs, stores));
   return stores;
 }
 
 Result<Stores> OpenRedis(const StoreOptions& options) {
-  auto url = ParseRedisUrl(options.store);
-  if (!url) return Fail(url.error());
+  TRY(auto url, ParseRedisUrl(options.store));
   if (options.blob_dir.empty()) {
     return Fail(Malformed("With redis a blob directory that all replicas share has to be named.",
                           "blob_dir"));
   }
   RedisOptions redis;
-  redis.url = *std::move(url);
+  redis.url = std::move(url);
   Stores stores;
   stores.specs = std::make_unique<RedisSpecStore>(std::move(redis));
   if (auto added = AddBlobs(WithoutSlash(options.blob_dir), stores); !added) {

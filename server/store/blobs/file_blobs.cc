@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/base/try.h"
 #include "core/token/sha256.h"
 #include "server/store/blobs/files.h"
 #include "server/store/store.h"
@@ -147,9 +148,8 @@ Result<std::string> FileBlobStore::Get(const std::string& hash) {
   if (error == 0) error = ReadAll(file, size, bytes);
   if (error == EINVAL || error == EIO) return Fail(LostBlob(hash, "damaged"));
   if (error != 0) return Fail(UnavailableErrno(error));
-  const auto digest = Sha256Hex(bytes);
-  if (!digest) return Fail(digest.error());
-  if (*digest != hash) return Fail(LostBlob(hash, "damaged"));
+  TRY(const auto digest, Sha256Hex(bytes));
+  if (digest != hash) return Fail(LostBlob(hash, "damaged"));
   return bytes;
 }
 

@@ -7,6 +7,7 @@
 
 #include <pthread.h>
 
+#include "core/base/try.h"
 #include "server/store/store.h"
 
 namespace arap::store {
@@ -72,7 +73,7 @@ Result<std::unique_ptr<RedisConnection>> RedisConnection::Open(const RedisUrl& u
   if (redisSetTimeout(context, limit) != REDIS_OK) {
     return Fail(Unavailable("Redis cannot be reached"));
   }
-  if (auto greeted = connection->Greet(url); !greeted) return Fail(greeted.error());
+  CHECK_OK(connection->Greet(url));
   return connection;
 }
 
@@ -82,12 +83,11 @@ Status RedisConnection::Greet(const RedisUrl& url) {
   if (!url.password.empty()) commands.push_back({"AUTH", url.password});
   if (url.database != 0) commands.push_back({"SELECT", std::to_string(url.database)});
   if (commands.empty()) return {};
-  auto replies = Run(commands);
-  if (!replies) return Fail(replies.error());
-  if (!url.password.empty() && replies->front().IsError()) {
+  TRY(auto replies, Run(commands));
+  if (!url.password.empty() && replies.front().IsError()) {
     return Fail(Unavailable("Redis does not accept the password"));
   }
-  if (replies->back().IsError()) return Fail(Unavailable("Redis does not have the database"));
+  if (replies.back().IsError()) return Fail(Unavailable("Redis does not have the database"));
   return {};
 }
 
@@ -152,7 +152,7 @@ Result<RedisPool::Connection> RedisPool::Connect() {
 }
 
 Result<std::vector<RedisReply>> RedisPool::Run(const std::vector<RedisCommand>& commands) {
-  if (auto alive = CheckAlive(); !alive) return Fail(alive.error());
+  CHECK_OK(CheckAlive());
   if (Connection connection = TakeIdle(); connection != nullptr) {
     auto replies = connection->Run(commands);
     if (replies) {
@@ -162,13 +162,12 @@ Result<std::vector<RedisReply>> RedisPool::Run(const std::vector<RedisCommand>& 
     Broke(connection->timed_out());
     if (connection->timed_out()) return Fail(replies.error());
   }
-  auto connection = Connect();
-  if (!connection) return Fail(connection.error());
-  auto replies = (*connection)->Run(commands);
+  TRY(auto connection, Connect());
+  auto replies = connection->Run(commands);
   if (replies) {
-    Keep(*std::move(connection));
+    Keep(std::move(connection));
   } else {
-    Broke((*connection)->timed_out());
+    Broke(connection->timed_out());
   }
   return replies;
 }

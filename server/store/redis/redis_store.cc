@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/try.h"
 #include "server/store/record_format.h"
 #include "server/store/store.h"
 
@@ -87,10 +88,9 @@ std::vector<std::string> RedisSpecStore::KeysOf(const SessionKey& key) const {
 std::string RedisSpecStore::NewToken() { return fmt::format("{}-{}", writer_, ++writes_); }
 
 Result<RedisReply> RedisSpecStore::Run(RedisCommand command) {
-  auto replies = pool_.Run({std::move(command)});
-  if (!replies) return Fail(replies.error());
-  if (replies->front().IsError()) return Fail(FaultOf(replies->front()));
-  return std::move(replies->front());
+  TRY(auto replies, pool_.Run({std::move(command)}));
+  if (replies.front().IsError()) return Fail(FaultOf(replies.front()));
+  return std::move(replies.front());
 }
 
 Result<RedisReply> RedisSpecStore::Run(const RedisScript& script,
@@ -110,25 +110,22 @@ Result<RedisReply> RedisSpecStore::Run(const RedisScript& script,
 }
 
 Result<std::optional<SessionRecord>> RedisSpecStore::Load(const SessionKey& key) {
-  auto reply = Run(LoadCommand(KeysOf(key)[0]));
-  if (!reply) return Fail(reply.error());
-  return RecordOf(key, *reply);
+  TRY(const auto reply, Run(LoadCommand(KeysOf(key)[0])));
+  return RecordOf(key, reply);
 }
 
 Result<std::optional<std::uint64_t>> RedisSpecStore::Revision(const SessionKey& key) {
-  auto reply = Run(RedisCommand{"HGET", KeysOf(key)[0], "revision"});
-  if (!reply) return Fail(reply.error());
-  if (reply->IsNil()) return std::nullopt;
-  return ToNumber(reply->Text());
+  TRY(const auto reply, Run(RedisCommand{"HGET", KeysOf(key)[0], "revision"}));
+  if (reply.IsNil()) return std::nullopt;
+  return ToNumber(reply.Text());
 }
 
 Result<bool> RedisSpecStore::Put(const SessionRecord& record) {
-  auto text = EncodeRecord(record);
-  if (!text) return Fail(text.error());
+  TRY(auto text, EncodeRecord(record));
   const SessionKey& key = record.key;
   auto reply = Run(PutScript(), KeysOf(key),
                    {std::to_string(record.revision - 1), std::to_string(record.revision),
-                    NewToken(), *std::move(text), std::to_string(ToMillis(record.expires)),
+                    NewToken(), std::move(text), std::to_string(ToMillis(record.expires)),
                     fmt::format("{} {}", record.meshes.size(), record.handle_sets.size()),
                     BlobsOf(record), key.id, key.owner, PlaceOf(key)});
   if (!reply) return Fail(reply.error());
@@ -136,16 +133,14 @@ Result<bool> RedisSpecStore::Put(const SessionRecord& record) {
 }
 
 Result<bool> RedisSpecStore::Extend(const SessionKey& key, runtime::Clock::Wall expires) {
-  auto reply = Run(ExtendScript(), {KeysOf(key)[0], Key("expiry")},
-                   {std::to_string(ToMillis(expires)), PlaceOf(key)});
-  if (!reply) return Fail(reply.error());
-  return reply->Int() == 1;
+  TRY(const auto reply, Run(ExtendScript(), {KeysOf(key)[0], Key("expiry")},
+                            {std::to_string(ToMillis(expires)), PlaceOf(key)}));
+  return reply.Int() == 1;
 }
 
 Result<bool> RedisSpecStore::Remove(const SessionKey& key) {
-  auto reply = Run(RemoveScript(), KeysOf(key), {key.id, key.owner, PlaceOf(key)});
-  if (!reply) return Fail(reply.error());
-  return reply->Int() == 1;
+  TRY(const auto reply, Run(RemoveScript(), KeysOf(key), {key.id, key.owner, PlaceOf(key)}));
+  return reply.Int() == 1;
 }
 
 Result<std::vector<SessionRecord>> RedisSpecStore::List(const std::string& owner,
@@ -155,19 +150,17 @@ Result<std::vector<SessionRecord>> RedisSpecStore::List(const std::string& owner
   std::string last = after;
   for (bool more = true; more && records.size() < limit;) {
     const std::size_t want = limit - records.size();
-    auto ids = Run(RedisCommand{"ZRANGEBYLEX", Key("ids:" + owner), "(" + last, "+", "LIMIT", "0",
-                                std::to_string(want)});
-    if (!ids) return Fail(ids.error());
-    const std::vector<std::string> names = ids->Texts();
+    TRY(const auto ids, Run(RedisCommand{"ZRANGEBYLEX", Key("ids:" + owner), "(" + last, "+",
+                                         "LIMIT", "0", std::to_string(want)}));
+    const std::vector<std::string> names = ids.Texts();
     if (names.empty()) break;
     std::vector<RedisCommand> loads;
     loads.reserve(names.size());
     for (const std::string& id : names) loads.push_back(LoadCommand(KeysOf({owner, id})[0]));
-    auto replies = pool_.Run(loads);
-    if (!replies) return Fail(replies.error());
+    TRY(const auto replies, pool_.Run(loads));
     for (std::size_t i = 0; i < names.size(); ++i) {
-      if ((*replies)[i].IsError()) return Fail(FaultOf((*replies)[i]));
-      auto record = RecordOf({owner, names[i]}, (*replies)[i]);
+      if (replies[i].IsError()) return Fail(FaultOf(replies[i]));
+      auto record = RecordOf({owner, names[i]}, replies[i]);
       if (record && *record) records.push_back(**std::move(record));
     }
     more = names.size() == want;
@@ -177,16 +170,14 @@ Result<std::vector<SessionRecord>> RedisSpecStore::List(const std::string& owner
 }
 
 Result<std::vector<std::string>> RedisSpecStore::Owners() {
-  auto reply = Run(RedisCommand{"ZRANGEBYLEX", Key("owners"), "-", "+"});
-  if (!reply) return Fail(reply.error());
-  return reply->Texts();
+  TRY(const auto reply, Run(RedisCommand{"ZRANGEBYLEX", Key("owners"), "-", "+"}));
+  return reply.Texts();
 }
 
 Result<Usage> RedisSpecStore::UsageOf(const std::string& owner) {
-  auto reply = Run(RedisCommand{"HVALS", Key("counts:" + owner)});
-  if (!reply) return Fail(reply.error());
+  TRY(const auto reply, Run(RedisCommand{"HVALS", Key("counts:" + owner)}));
   Usage usage;
-  for (const std::string& counts : reply->Texts()) {
+  for (const std::string& counts : reply.Texts()) {
     const std::size_t space = std::min(counts.find(' '), counts.size());
     ++usage.sessions;
     usage.meshes += ToNumber(std::string_view(counts).substr(0, space));
@@ -197,19 +188,17 @@ Result<Usage> RedisSpecStore::UsageOf(const std::string& owner) {
 }
 
 Result<std::size_t> RedisSpecStore::Count() {
-  auto reply = Run(RedisCommand{"ZCARD", Key("expiry")});
-  if (!reply) return Fail(reply.error());
-  return static_cast<std::size_t>(reply->Int());
+  TRY(const auto reply, Run(RedisCommand{"ZCARD", Key("expiry")}));
+  return static_cast<std::size_t>(reply.Int());
 }
 
 Result<std::vector<SessionKey>> RedisSpecStore::RemoveExpired(runtime::Clock::Wall now,
                                                               std::size_t limit) {
   // Expiries were rounded up; so this is rounded down.
   const auto millis = std::chrono::floor<std::chrono::milliseconds>(now.time_since_epoch());
-  auto reply = Run(RemoveExpiredScript(), {Key("owners"), Key("expiry")},
-                   {prefix_, std::to_string(millis.count()), std::to_string(limit)});
-  if (!reply) return Fail(reply.error());
-  const std::vector<std::string> names = reply->Texts();
+  TRY(const auto reply, Run(RemoveExpiredScript(), {Key("owners"), Key("expiry")},
+                            {prefix_, std::to_string(millis.count()), std::to_string(limit)}));
+  const std::vector<std::string> names = reply.Texts();
   std::vector<SessionKey> removed;
   for (std::size_t i = 0; i + 1 < names.size(); i += 2) removed.push_back({names[i], names[i + 1]});
   return removed;
@@ -219,9 +208,8 @@ Result<std::set<std::string>> RedisSpecStore::ReferencedBlobs() {
   std::set<std::string> blobs;
   std::string cursor = "0";
   do {
-    auto reply = Run(ReferencedScript(), {}, {prefix_, cursor});
-    if (!reply) return Fail(reply.error());
-    const std::vector<std::string> found = reply->Texts();
+    TRY(const auto reply, Run(ReferencedScript(), {}, {prefix_, cursor}));
+    const std::vector<std::string> found = reply.Texts();
     if (found.empty()) return Fail(Unavailable("Redis did not answer what was asked"));
     cursor = found[0];
     for (std::size_t i = 1; i < found.size(); ++i) {
@@ -232,8 +220,7 @@ Result<std::set<std::string>> RedisSpecStore::ReferencedBlobs() {
 }
 
 Status RedisSpecStore::Probe() {
-  auto reply = Run(RedisCommand{"PING"});
-  if (!reply) return Fail(reply.error());
+  TRY(const auto reply, Run(RedisCommand{"PING"}));
   return {};
 }
 

@@ -169,7 +169,7 @@ Result<Recovery> RecoverDatabase(const std::string& directory) {
   if (error == 0) error = SyncDirectory(directory);
   if (error != 0) return Fail(UnavailableErrno(error));
   recovery.kept_as = FreeName(directory);
-  if (auto finished = FinishRecovery(directory); !finished) return Fail(finished.error());
+  CHECK_OK(FinishRecovery(directory));
   return recovery;
 }
 
@@ -224,12 +224,11 @@ Attempt Try(const std::string& directory, Trust trust, Sqlite& database) {
 
 Result<OpenedDatabase> OpenDatabase(const std::string& directory, Trust trust) {
   OpenedDatabase opened;
-  if (auto finished = FinishRecovery(directory); !finished) return Fail(finished.error());
+  CHECK_OK(FinishRecovery(directory));
   Attempt attempt = Try(directory, trust, opened.database);
   if (IsDamage(attempt.code)) {
-    auto recovery = RecoverDatabase(directory);
-    if (!recovery) return Fail(recovery.error());
-    opened.recovery = *std::move(recovery);
+    TRY(auto recovery, RecoverDatabase(directory));
+    opened.recovery = std::move(recovery);
     attempt = Try(directory, Trust::kCheck, opened.database);
   }
   if (attempt.version > kSchemaVersion) {

@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "core/base/try.h"
 #include "core/token/sha256.h"
 #include "server/store/record_format.h"
 #include "server/store/store.h"
@@ -75,9 +76,8 @@ SessionRow ReadRow(const Query& query) {
 }
 
 Result<SessionRecord> RecordOf(const SessionRow& row) {
-  auto sum = Sha256Hex(row.text);
-  if (!sum) return Fail(sum.error());
-  if (*sum != row.sum) return Fail(LostRecord(row.key));
+  TRY(const auto sum, Sha256Hex(row.text));
+  if (sum != row.sum) return Fail(LostRecord(row.key));
   auto record = DecodeRecord(row.text);
   if (!record || record->key != row.key ||
       record->revision != static_cast<std::uint64_t>(row.revision)) {
@@ -88,12 +88,10 @@ Result<SessionRecord> RecordOf(const SessionRow& row) {
 }
 
 Result<SessionRow> RowOf(const SessionRecord& record) {
-  auto text = EncodeRecord(record);
-  if (!text) return Fail(text.error());
-  auto sum = Sha256Hex(*text);
-  if (!sum) return Fail(sum.error());
+  TRY(auto text, EncodeRecord(record));
+  TRY(const auto sum, Sha256Hex(text));
   return SessionRow{record.key, static_cast<std::int64_t>(record.revision),
-                    ToMillis(record.expires), *std::move(sum), *std::move(text)};
+                    ToMillis(record.expires), std::move(sum), std::move(text)};
 }
 
 SqliteCode WriteRow(Sqlite& database, const SessionRow& row, const SessionRecord& record,

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include "core/base/try.h"
 #include "server/store/record_format.h"
 #include "server/store/sqlite/session_database.h"
 #include "server/store/sqlite/sqlite.h"
@@ -71,11 +72,10 @@ bool SqliteSpecStore::IsInPlace() const {
 Status SqliteSpecStore::EnsureOpen() {
   if (database_ && !IsInPlace()) database_.reset();
   if (database_) return {};
-  auto opened = OpenDatabase(directory_, damaged_ ? Trust::kCheck : Trust::kAsItWas);
-  if (!opened) return Fail(opened.error());
-  database_ = std::move(opened->database);
+  TRY(auto opened, OpenDatabase(directory_, damaged_ ? Trust::kCheck : Trust::kAsItWas));
+  database_ = std::move(opened.database);
   damaged_ = false;
-  if (opened->recovery && listener_) listener_(*opened->recovery);
+  if (opened.recovery && listener_) listener_(*opened.recovery);
   return {};
 }
 
@@ -83,7 +83,7 @@ template <class T, class Body>
 Result<T> SqliteSpecStore::With(const Body& body) {
   const MutexLock lock(&mutex_);
   for (bool again = true;; again = false) {
-    if (auto open = EnsureOpen(); !open) return Fail(open.error());
+    CHECK_OK(EnsureOpen());
     SqliteResult<T> result = body(*database_);
     if (result) return *std::move(result);
     if (IsBroken(result.error())) database_.reset();
@@ -114,8 +114,7 @@ Result<std::optional<std::uint64_t>> SqliteSpecStore::Revision(const SessionKey&
 }
 
 Result<bool> SqliteSpecStore::Put(const SessionRecord& record) {
-  const auto row = RowOf(record);
-  if (!row) return Fail(row.error());
+  TRY(const auto row, RowOf(record));
   return With<bool>([&](Sqlite& database) -> SqliteResult<bool> {
     Transaction transaction(database);
     if (transaction.code() != SQLITE_OK) return tl::unexpected(transaction.code());
@@ -126,7 +125,7 @@ Result<bool> SqliteSpecStore::Put(const SessionRecord& record) {
                           ? record.revision == 1
                           : place->revision != 0 && place->revision + 1 == record.revision;
     if (!fits) return false;
-    SqliteCode code = WriteRow(database, *row, record, place->number);
+    SqliteCode code = WriteRow(database, row, record, place->number);
     if (code == SQLITE_OK) code = transaction.Commit();
     if (code != SQLITE_OK) return tl::unexpected(code);
     return true;
