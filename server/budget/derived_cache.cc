@@ -114,7 +114,7 @@ void DerivedCache::EvictLocked(Entries::iterator entry, Garbage& gone) {
   const DerivedKind kind = entry->key.kind;
   if (listener_.evicted) listener_.evicted(kind, entry->bytes);
   RemoveLocked(entry, gone);
-  // Freed at once, since only then it lets go of its mesh.
+  // Freed at once and not after the lock: only then does it release its mesh.
   if (kind == DerivedKind::kHandleSet) gone.pop_back();
 }
 
@@ -173,7 +173,7 @@ DerivedCache::Any DerivedCache::KeepAny(const DerivedKey& key, Any value, std::s
   held.bytes += bytes;
   owner_bytes_[key.owner] += bytes;
   if (capped) {
-    // Here a place is what counts: one in use goes too.
+    // The cap counts places, so that one in use goes too.
     while (held.entries > surfaces_.entries || held.bytes > surfaces_.bytes) {
       auto oldest = std::prev(entries_.end());
       while (oldest->key.kind != key.kind) --oldest;

@@ -79,7 +79,7 @@ class DerivedCache {
   std::shared_ptr<const T> Find(const DerivedKey& key) {
     return std::static_pointer_cast<const T>(FindAny(key, true));
   }
-  // The same for who will Find it soon: not counted as a look-up.
+  // The same without counting a look-up, for a caller that will Find it soon.
   template <class T>
   std::shared_ptr<const T> Peek(const DerivedKey& key) {
     return std::static_pointer_cast<const T>(FindAny(key, false));

@@ -14,7 +14,7 @@
 namespace arap::app {
 namespace {
 
-// Change it whenever the same surface would get other factors.
+// To be changed whenever the same surface would get other factors.
 constexpr std::string_view kSurfaceTag = "arap surface 1\n";
 
 void Number(Sha256& hash, std::uint64_t number) { hash.Bytes(&number, sizeof number); }

@@ -315,10 +315,11 @@ Status SessionRegistry::Sweep() {
   TRY(const auto removed, store_.RemoveExpired(clock_.WallNow(), kSweep));
   for (const store::SessionKey& key : removed) {
     if (InMemory(key) == nullptr) continue;
-    const Held held = locks_.Take(key);
+    const auto held = locks_.TryTake(key);
+    if (!held) continue;
     // The id may have been taken anew meanwhile.
     TRY(const auto revision, store_.Revision(key));
-    if (const Found session = InMemory(key); session && !revision) Drop(held, session);
+    if (const Found session = InMemory(key); session && !revision) Drop(*held, session);
   }
   return {};
 }

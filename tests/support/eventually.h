@@ -2,7 +2,10 @@
 #pragma once
 
 #include <chrono>
+#include <cstdio>
+#include <cstdlib>
 #include <functional>
+#include <future>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -24,6 +27,16 @@ inline ::testing::AssertionResult Eventually(const std::string& what,
     poll(nullptr, 0, 1);
   }
   return ::testing::AssertionSuccess();
+}
+
+// What a thread answers; a test whose thread is stuck ends here, since it could not be joined.
+template <class T>
+T Answer(std::future<T>& future, const char* what) {
+  if (future.wait_for(kPatience) != std::future_status::ready) {
+    std::fprintf(stderr, "waited in vain for %s\n", what);
+    std::abort();
+  }
+  return future.get();
 }
 
 }  // namespace arap::testing

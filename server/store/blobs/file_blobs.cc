@@ -1,6 +1,5 @@
 #include "server/store/blobs/file_blobs.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <utility>
 #include <vector>
@@ -11,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/base/hex.h"
 #include "core/base/try.h"
 #include "core/token/sha256.h"
 #include "server/store/blobs/files.h"
@@ -18,12 +18,6 @@
 
 namespace arap::store {
 namespace {
-
-bool IsHex(std::string_view text, std::size_t size) {
-  return text.size() == size && std::all_of(text.begin(), text.end(), [](char c) {
-           return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
-         });
-}
 
 bool IsHash(std::string_view name) { return IsHex(name, 64); }
 
@@ -46,7 +40,7 @@ bool IsOld(const struct stat& info, std::chrono::seconds age) {
          (now.tv_sec - info.st_mtim.tv_sec == age.count() && now.tv_nsec >= info.st_mtim.tv_nsec);
 }
 
-// What was not made by us is none of our business.
+// The size of a regular file; EINVAL for anything else, which no store has made.
 int Size(const File& file, std::size_t& size) {
   struct stat info {};
   if (fstat(file.fd(), &info) != 0) return errno;
@@ -75,7 +69,8 @@ std::string FileBlobStore::FolderOf(const std::string& hash) const {
   return root_ + "/" + hash.substr(0, 2) + "/" + hash.substr(2, 2);
 }
 
-// Makes a blob young again if it is what it should be.
+// Sets the time of a blob to now, so that no sweep removes it; `good` says whether its bytes are
+// the ones that were put.
 int FileBlobStore::Refresh(const std::string& path, std::string_view bytes, bool& good) const {
   good = false;
   File file;
@@ -109,7 +104,8 @@ int FileBlobStore::Write(const std::string& hash, std::string_view bytes) const 
   return 0;
 }
 
-// Also what another server, or one that was killed, has named but not yet made durable.
+// Makes the name of a blob durable, also one that another server, or one that was killed, has given
+// but not yet flushed.
 int FileBlobStore::SyncNames(const std::string& hash) const {
   int error = SyncDirectory(FolderOf(hash));
   if (error == 0) error = SyncDirectory(ParentOf(FolderOf(hash)));
@@ -153,7 +149,8 @@ Result<std::string> FileBlobStore::Get(const std::string& hash) {
   return bytes;
 }
 
-// Removes `path` if it is still old when nobody can make it young. `removed` says so.
+// Looks again at the age under the lock, which keeps every Put out, and removes `path` if it is
+// still old. `removed` says so.
 int FileBlobStore::RemoveOld(const std::string& path, std::chrono::seconds age,
                              bool& removed) const {
   FileLock lock;

@@ -1,4 +1,4 @@
-// Files: file descriptors that close themselves, and writes that last.
+// Files: descriptors that close themselves, durable writes, and locks between processes.
 #pragma once
 
 #include <cstddef>

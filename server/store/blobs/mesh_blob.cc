@@ -8,7 +8,7 @@
 namespace arap::store {
 namespace {
 
-// Change it whenever the same mesh would get other factors.
+// To be changed whenever the same mesh would get other factors.
 constexpr std::string_view kTag = "arap planar mesh 1\n";
 
 void Append(std::string& bytes, const void* data, std::size_t size) {
@@ -23,7 +23,7 @@ void AppendArray(std::string& bytes, const std::vector<T>& items) {
   Append(bytes, items.data(), items.size() * sizeof(T));
 }
 
-// Takes bytes from the front; sticks at the first that are missing.
+// Takes bytes from the front. After the first read that fails all others fail too.
 class Reader {
  public:
   explicit Reader(std::string_view bytes) : left_(bytes) {}

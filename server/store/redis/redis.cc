@@ -16,7 +16,7 @@ namespace {
 using std::chrono::steady_clock;
 
 // hiredis writes to sockets without MSG_NOSIGNAL. Keeps SIGPIPE from this thread, and swallows the
-// one that came meanwhile; what the process does about the signal is not ours to change.
+// one that came meanwhile; the handler of the process stays as it is.
 class NoSigpipe {
  public:
   NoSigpipe() {
@@ -77,7 +77,7 @@ Result<std::unique_ptr<RedisConnection>> RedisConnection::Open(const RedisUrl& u
   return connection;
 }
 
-// Its own words stay here: the answers may repeat what was sent.
+// Redis' own words are not passed on: they may repeat what was sent, the password too.
 Status RedisConnection::Greet(const RedisUrl& url) {
   std::vector<RedisCommand> commands;
   if (!url.password.empty()) commands.push_back({"AUTH", url.password});
@@ -146,7 +146,7 @@ Status RedisPool::CheckAlive() {
 Result<RedisPool::Connection> RedisPool::Connect() {
   const auto start = steady_clock::now();
   auto connection = RedisConnection::Open(url_, timeout_);
-  // A refusal comes at once and costs nothing to ask for again.
+  // Only a timeout is worth remembering; a refused connection comes back at once the next time too.
   if (!connection) Broke(steady_clock::now() - start >= timeout_);
   return connection;
 }

@@ -1,4 +1,4 @@
-// Redis: a thin hull around connections of hiredis.
+// Connections to Redis: a reply, one connection of hiredis, and a pool of them.
 #pragma once
 
 #include <chrono>
@@ -65,7 +65,7 @@ class RedisConnection {
   bool timed_out_ = false;
 };
 
-// RedisPool: connections to one Redis, as many as there are calls at a time.
+// Connections to one Redis, as many as there are calls at a time.
 //
 // Thread-safe. Connects when it has to, and again after Redis was gone. A call that finds its
 // connection broken tries once on a new one; so a command may have run twice.
@@ -82,14 +82,14 @@ class RedisPool {
  private:
   using Connection = std::unique_ptr<RedisConnection>;
 
-  // Kept when nobody uses them.
+  // Idle connections that are kept.
   static constexpr std::size_t kMaxIdle = 8;
 
   Connection TakeIdle();
   Status CheckAlive();
   Result<Connection> Connect();
   void Keep(Connection connection);
-  // A connection broke: the others of its age are no better.
+  // A connection broke: drops the idle ones, which are as old and no better.
   void Broke(bool timed_out);
 
   const RedisUrl url_;

@@ -1,18 +1,20 @@
 #include "server/store/redis/redis_scripts.h"
 
 #include <array>
+#include <span>
 #include <string_view>
 #include <utility>
 
-#include <fmt/format.h>
 #include <openssl/evp.h>
+
+#include "core/base/hex.h"
 
 namespace arap::store {
 namespace {
 
-// A session whose expiry nobody saw to goes by itself a day later: no replica has run for so long.
-// Measured with the clock of Redis, and never from the past, so that a wrong clock of ours removes
-// nothing that was just written.
+// A session that no replica has removed a day after its expiry is removed by Redis itself: no
+// replica has run for that long. The day is counted by the clock of Redis and from now at the
+// earliest, so that a wrong clock of a replica removes nothing that was just written.
 constexpr std::string_view kKeep = R"lua(
 local function keep(session, expires)
   local now = tonumber(redis.call('TIME')[1]) * 1000
@@ -74,7 +76,8 @@ end
 return removed
 )lua";
 
-// The keys of sessions themselves, not an index: what a blob is kept for must not be missed.
+// Looks at the keys of the sessions themselves and not at an index: a session that were missed
+// would lose its blobs.
 constexpr std::string_view kReferenced = R"lua(
 local page = redis.call('SCAN', ARGV[2], 'MATCH', ARGV[1] .. 'session:*', 'COUNT', 500)
 local found = {page[1]}
@@ -91,9 +94,7 @@ std::string Sha1(std::string_view text) {
   if (EVP_Digest(text.data(), text.size(), digest.data(), &size, EVP_sha1(), nullptr) != 1) {
     return {};
   }
-  std::string hex;
-  for (unsigned int i = 0; i < size; ++i) hex += fmt::format("{:02x}", digest[i]);
-  return hex;
+  return Hex(std::span(digest).first(size));
 }
 
 RedisScript Make(std::string_view functions, std::string_view body) {

@@ -1,4 +1,4 @@
-// The Lua scripts of the Redis store: each is one step that nobody can come between.
+// The Lua scripts of the Redis store. Redis runs each as one step; no other command comes between.
 #pragma once
 
 #include <string>

@@ -24,7 +24,7 @@ std::string RandomName() {
   return fmt::format("{:08x}{:08x}{:08x}", random(), random(), random());
 }
 
-// The first word of an error says what it is; the rest may repeat what was sent.
+// Names the error by its first word; the rest may repeat what was sent.
 Fault FaultOf(const RedisReply& error) {
   const std::string text = error.Text();
   return Unavailable(fmt::format("Redis refuses with {}", text.substr(0, text.find(' '))));

@@ -19,8 +19,6 @@ namespace {
 
 constexpr const char* kDatabaseName = "/sessions.db";
 
-// Recovery.
-
 // "new" is being written; "ready" is complete and takes the place of the damaged one.
 std::string NewPath(const std::string& directory) { return directory + kDatabaseName + ".new"; }
 std::string ReadyPath(const std::string& directory) { return directory + kDatabaseName + ".ready"; }
@@ -41,7 +39,7 @@ std::string FreeName(const std::string& directory) {
   }
 }
 
-// What some path through the damaged database still tells of a row.
+// What can still be read about one row of a damaged database.
 struct Trace {
   SessionKey key;
   bool has_key = false;
@@ -49,7 +47,7 @@ struct Trace {
 };
 using Traces = std::map<std::int64_t, Trace>;
 
-// Follows one order of the rows as far as it can be read. False when it broke off.
+// Reads the rows in one order as far as it goes. False when it ended with an error.
 bool Follow(Sqlite& database, const char* sql, bool has_key, bool has_expiry, Traces& traces) {
   Query query(database, sql);
   while (query.Row()) {
@@ -173,11 +171,9 @@ Result<Recovery> RecoverDatabase(const std::string& directory) {
   return recovery;
 }
 
-// Opening.
-
-// The version comes first: nothing is done to a database that a later server wrote.
+// Run before the version is read: a database that a later server wrote must stay as it is.
 constexpr const char* kLocking = "PRAGMA locking_mode = EXCLUSIVE; PRAGMA cell_size_check = ON";
-// The log is cut back when it has been written home; a full disk should not stay full for it.
+// The log is cut back once its pages are in the database, so that it does not keep a disk full.
 constexpr const char* kSetup =
     "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA journal_size_limit = 8388608;"
     "PRAGMA trusted_schema = OFF";

@@ -46,12 +46,12 @@ class Sqlite {
     void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
   };
 
-  // The statements go first.
+  // Destroyed in the reverse order: the statements go before their connection.
   std::unique_ptr<sqlite3, Close> connection_;
   std::unordered_map<const void*, std::unique_ptr<sqlite3_stmt, Finalize>> statements_;
 };
 
-// One run of a prepared statement. Binds in order, then steps; sticks at the first error.
+// One run of a prepared statement. Binds in order, then steps. After an error it does nothing more.
 class Query {
  public:
   Query(Sqlite& database, const char* sql);

@@ -62,7 +62,7 @@ Result<std::unique_ptr<SqliteSpecStore>> SqliteSpecStore::Open(const std::string
   return store;
 }
 
-// False when somebody took the file away: what is written to it would be gone with this process.
+// False when the file was moved or removed: what is written to it now would end with this process.
 bool SqliteSpecStore::IsInPlace() const {
   int moved = 0;
   sqlite3_file_control(database_->get(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
@@ -120,7 +120,7 @@ Result<bool> SqliteSpecStore::Put(const SessionRecord& record) {
     if (transaction.code() != SQLITE_OK) return tl::unexpected(transaction.code());
     const auto place = Find(database, record.key);
     if (!place) return tl::unexpected(place.error());
-    // Remains of a damaged record have the revision 0, but somebody is there.
+    // The row of a damaged record has revision 0: its key is taken.
     const bool fits = place->number == 0
                           ? record.revision == 1
                           : place->revision != 0 && place->revision + 1 == record.revision;

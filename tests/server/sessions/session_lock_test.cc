@@ -17,6 +17,7 @@ namespace arap::app {
 namespace {
 
 using std::chrono::minutes;
+using testing::Answer;
 using testing::Eventually;
 using testing::GatedStore;
 using Call = GatedStore::Call;
@@ -78,8 +79,8 @@ TEST_F(SessionLockTest, DeletedWhileItIsLoadedItStaysAway) {
   store_.AwaitHeldCall();
   auto deleted = InThread([&] { return sessions_.Delete("ann", kId); });
   Meet(deleted);
-  used.wait();
-  EXPECT_TRUE(deleted.get());
+  static_cast<void>(Answer(used, "the look-up"));
+  EXPECT_TRUE(Answer(deleted, "the deletion"));
   EXPECT_EQ(sessions_.in_memory(), 0u);
   EXPECT_FALSE(sessions_.Use("ann", kId));
   EXPECT_TRUE(Create(ann_));
@@ -93,8 +94,8 @@ TEST_F(SessionLockTest, CreatedWhileItIsDeletedItIsStored) {
   store_.AwaitHeldCall();
   auto created = InThread([&] { return Create(ann_); });
   Meet(created);
-  EXPECT_TRUE(deleted.get());
-  EXPECT_TRUE(created.get());
+  EXPECT_TRUE(Answer(deleted, "the deletion"));
+  EXPECT_TRUE(Answer(created, "the creation"));
   EXPECT_TRUE(IsStored(ann_));
   EXPECT_TRUE(sessions_.Use("ann", kId));
 }
@@ -105,8 +106,8 @@ TEST_F(SessionLockTest, TwoThatCreateItGetTheSame) {
   store_.AwaitHeldCall();
   auto second = InThread([&] { return Create(ann_); });
   Meet(second);
-  EXPECT_TRUE(first.get());
-  EXPECT_TRUE(second.get());
+  EXPECT_TRUE(Answer(first, "the first call"));
+  EXPECT_TRUE(Answer(second, "the second call"));
   EXPECT_EQ(store_.UsageOf("ann")->sessions, 1u);
 }
 
@@ -117,8 +118,8 @@ TEST_F(SessionLockTest, AChangeComesBeforeTheDeletionOrFindsItGone) {
   store_.AwaitHeldCall();
   auto changed = InThread([&] { return AddMesh(ann_, kId, "m"); });
   Meet(changed);
-  EXPECT_TRUE(deleted.get());
-  const auto answer = changed.get();
+  EXPECT_TRUE(Answer(deleted, "the deletion"));
+  const auto answer = Answer(changed, "the change");
   ASSERT_FALSE(answer);
   EXPECT_EQ(answer.error().kind, FaultKind::kNotFound);
   EXPECT_FALSE(IsStored(ann_));
@@ -135,7 +136,7 @@ TEST_F(SessionLockTest, TheSweepLeavesABusySessionForTheNextOne) {
   EXPECT_FALSE(IsStored(ann_, "other"));
   EXPECT_TRUE(sessions_.List("ann", 0, "")->sessions.empty()) << "an expired one is not shown";
   store_.LetGo();
-  EXPECT_FALSE(viewed.get());
+  EXPECT_FALSE(Answer(viewed, "the look"));
   EXPECT_EQ(sessions_.in_memory(), 0u);
 }
 
@@ -166,7 +167,7 @@ TEST_F(SessionLockTest, SessionsDoNotWaitForEachOthersStore) {
     EXPECT_TRUE(Eventually("ben's calls to end", [&] { return IsReady(life); }));
     EXPECT_FALSE(IsReady(slow));
     store_.LetGo();
-    EXPECT_TRUE(slow.get());
+    EXPECT_TRUE(Answer(slow, "the call that was held up"));
   }
 }
 
@@ -181,8 +182,8 @@ TEST_F(SessionLockTest, ThoseThatMeetDoNotExceedAQuota) {
   auto second = InThread([&] { return Create(small, "c"); });
   EXPECT_TRUE(Create(ben_)) << "somebody else's places";
   store_.LetGo();
-  EXPECT_TRUE(first.get()) << "whoever comes first has the place";
-  const auto refused = second.get();
+  EXPECT_TRUE(Answer(first, "the first call")) << "whoever comes first has the place";
+  const auto refused = Answer(second, "the second call");
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, FaultKind::kLimitExceeded);
 
@@ -191,8 +192,8 @@ TEST_F(SessionLockTest, ThoseThatMeetDoNotExceedAQuota) {
   store_.AwaitHeldCall();
   auto other = InThread([&] { return AddMesh(small, "b", "m"); });
   store_.LetGo();
-  EXPECT_TRUE(mesh.get());
-  EXPECT_FALSE(other.get());
+  EXPECT_TRUE(Answer(mesh, "the first mesh"));
+  EXPECT_FALSE(Answer(other, "the second mesh"));
   EXPECT_EQ(store_.UsageOf("ann")->meshes, 1u);
 }
 
@@ -206,7 +207,7 @@ TEST_F(SessionLockTest, NobodyIsRefusedForAPlaceThatIsCountedTwice) {
   ASSERT_NO_FATAL_FAILURE(Store(ann_));
   auto second = InThread([&] { return quotas.Take(small, {.sessions = 1}).has_value(); });
   first.reset();
-  EXPECT_TRUE(second.get());
+  EXPECT_TRUE(Answer(second, "the second call"));
 }
 
 TEST(SessionLocksTest, OneAtATimeAndNothingLeftBehind) {
@@ -222,7 +223,7 @@ TEST(SessionLocksTest, OneAtATimeAndNothingLeftBehind) {
       }
     }));
   }
-  for (auto& thread : threads) thread.wait();
+  for (auto& thread : threads) Answer(thread, "the threads");
   EXPECT_EQ(locks.waiting(), 0u);
   const auto held = locks.TryTake({"ann", "s"});
   EXPECT_TRUE(held);

@@ -1,6 +1,6 @@
 // kill -9 at random moments: whatever was acknowledged is there afterwards, bit for bit.
 //
-// ARAP_KILL_ROUNDS says how often (25 unless told; 200 are asked of a release), ARAP_KILL_SEED
+// ARAP_KILL_ROUNDS says how often (5 unless told; 200 are asked of a release), ARAP_KILL_SEED
 // where the dice begin.
 #include <algorithm>
 #include <atomic>
@@ -29,7 +29,7 @@ std::uint64_t FromEnvironment(const char* name, std::uint64_t otherwise) {
 
 TEST(Kill, WhatWasAcknowledgedIsThere) {
   const std::uint64_t seed = FromEnvironment("ARAP_KILL_SEED", 5);
-  const std::uint64_t rounds = FromEnvironment("ARAP_KILL_ROUNDS", 25);
+  const std::uint64_t rounds = FromEnvironment("ARAP_KILL_ROUNDS", 5);
   testing::Random random(seed);
   ServerProcess server({"--store", "sqlite:{}/store"});
   std::vector<std::unique_ptr<BusyClient>> clients;
