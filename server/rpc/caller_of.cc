@@ -8,8 +8,8 @@
 #include <grpcpp/security/auth_context.h>
 #include <grpcpp/server_context.h>
 
+#include "core/base/names.h"
 #include "server/runtime/worker_pool.h"
-#include "server/sessions/names.h"
 
 namespace arap::rpc {
 namespace {

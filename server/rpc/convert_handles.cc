@@ -6,8 +6,8 @@
 #include <arap/v1/deformation_service.pb.h>
 #include <fmt/format.h>
 
+#include "core/base/names.h"
 #include "server/rpc/convert_mesh.h"
-#include "server/sessions/names.h"
 #include "server/sessions/rebuild.h"
 
 namespace arap::rpc {

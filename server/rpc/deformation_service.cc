@@ -3,6 +3,8 @@
 
 #include <arap/v1/deformation_service.grpc.pb.h>
 
+#include "core/base/names.h"
+#include "server/budget/faults.h"
 #include "server/rpc/convert_handles.h"
 #include "server/rpc/convert_mesh.h"
 #include "server/rpc/convert_session.h"
@@ -16,7 +18,6 @@
 #include "server/runtime/stopwatch.h"
 #include "server/sessions/handle_sets.h"
 #include "server/sessions/meshes.h"
-#include "server/sessions/names.h"
 #include "server/streams/live_set.h"
 #include "server/streams/targets.h"
 

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "core/base/names.h"
 #include "server/rpc/status_map.h"
 #include "server/runtime/metrics.h"
-#include "server/sessions/names.h"
 
 namespace arap::rpc {
 namespace {

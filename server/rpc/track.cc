@@ -16,6 +16,7 @@
 
 #include "core/base/mutex.h"
 #include "core/base/try.h"
+#include "server/budget/faults.h"
 #include "server/engine.h"
 #include "server/rpc/caller_of.h"
 #include "server/rpc/convert_handles.h"
@@ -23,7 +24,6 @@
 #include "server/rpc/rpc_log.h"
 #include "server/rpc/status_map.h"
 #include "server/runtime/stopwatch.h"
-#include "server/sessions/names.h"
 #include "server/sessions/rebuild.h"
 #include "server/streams/live_set.h"
 #include "server/streams/targets.h"

@@ -2,11 +2,12 @@
 
 #include <utility>
 
+#include "core/base/names.h"
+#include "server/budget/faults.h"
 #include "server/rpc/rpc_log.h"
 #include "server/rpc/status_map.h"
 #include "server/runtime/stopwatch.h"
 #include "server/runtime/worker_pool.h"
-#include "server/sessions/names.h"
 
 namespace arap::rpc {
 namespace {

@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "server/sessions/names.h"
-
 namespace arap::app {
 namespace {
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "server/sessions/names.h"
+#include "server/budget/faults.h"
 
 namespace arap::app {
 namespace {

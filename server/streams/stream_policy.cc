@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
-#include "server/sessions/names.h"
+#include "server/budget/faults.h"
 
 namespace arap::app {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "core/base/names.h"
 #include "core/base/try.h"
-#include "server/sessions/names.h"
 
 namespace arap::app {
 namespace {

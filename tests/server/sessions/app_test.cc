@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/names.h"
 #include "server/engine.h"
 #include "server/sessions/handle_sets.h"
 #include "server/sessions/meshes.h"
-#include "server/sessions/names.h"
 #include "server/sessions/rebuild.h"
 #include "server/streams/live_set.h"
 #include "server/streams/targets.h"
