@@ -33,17 +33,15 @@ struct SessionPage {
 //
 // Which call waits for which:
 //   - Each session has a lock of its own (session_locks.h). Whoever creates, loads, changes,
-//   deletes
-//     or ends a session holds it from the first look at the store until memory says the same as the
-//     store. So a record that was read cannot come back into memory after its removal, of two that
-//     create one id the second sees the first, and a change either precedes a removal or finds the
-//     session gone.
+//     deletes or ends a session holds it from the first look at the store until memory says the
+//     same as the store. So a record that was read cannot come back into memory after its removal,
+//     of two that create one id the second sees the first, and a change either precedes a removal
+//     or finds the session gone.
 //   - A thread holds one such lock at most. A call on one session never waits for another session's
 //     store, except to end expired sessions when a quota seems full, and except for the last places
 //     of a quota (owner_quotas.h).
 //   - Looking a session up takes no lock while memory is up to date: always where this process
-//   alone
-//     has the records, else when the revision in the store is the one in memory.
+//     alone has the records, else when the revision in the store is the one in memory.
 //   - Processes that share a store compare and put: a change that finds another revision than it
 //     began with is done again on what is stored now.
 //   - mutex_ guards the map alone, for moments; no store is asked under it.
