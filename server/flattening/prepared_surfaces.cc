@@ -9,7 +9,7 @@
 #include "core/base/try.h"
 #include "core/token/sha256.h"
 #include "server/budget/estimate.h"
-#include "server/runtime/stopwatch.h"
+#include "server/runtime/clock.h"
 
 namespace arap::app {
 namespace {
@@ -49,7 +49,7 @@ void Measure(const FlattenTimes& times, double micros, runtime::Metrics& metrics
 Result<FlatAnswer> PreparedSurfaces::Flatten(const Caller& caller, const std::string& surface_key,
                                              SurfaceMesh mesh, const FlattenOptions& options,
                                              const CancelToken& cancel) {
-  const runtime::Stopwatch working;
+  const runtime::WallTimer working;
   TRY(const auto room, derived_.Reserve(caller, FlatteningBytes(mesh.triangles.size())));
   FlatAnswer answer;
   if (surface_key.empty()) {

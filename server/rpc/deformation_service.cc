@@ -14,8 +14,8 @@
 #include "server/rpc/stream.h"
 #include "server/rpc/track.h"
 #include "server/rpc/unary.h"
+#include "server/runtime/clock.h"
 #include "server/runtime/metrics.h"
-#include "server/runtime/stopwatch.h"
 #include "server/sessions/handle_sets.h"
 #include "server/sessions/meshes.h"
 #include "server/streams/live_set.h"
@@ -35,7 +35,7 @@ Result<std::string> OwnerOf(const Call& call, const std::string& owner, Fault mi
 
 // How long the call waited and worked, for the answers that have both.
 template <class Response>
-void SetTimes(const Call& call, const runtime::Stopwatch& working, Response* response) {
+void SetTimes(const Call& call, const runtime::WallTimer& working, Response* response) {
   SetMicros(call.queue_micros, response->mutable_queue_time());
   SetMicros(working.Micros(), response->mutable_solve_time());
 }
@@ -81,7 +81,7 @@ Status DeleteSession(app::Engine& engine, const v1::DeleteSessionRequest& reques
 
 Status RegisterMesh(app::Engine& engine, const v1::RegisterMeshRequest& request, const Call& call,
                     v1::RegisterMeshResponse* response) {
-  const runtime::Stopwatch working;
+  const runtime::WallTimer working;
   TRY(auto mesh,
       FromWire(request.mesh(), {engine.limits.max_vertices, engine.limits.max_triangles}));
   TRY(const auto options, FromWire(request.energy(), Weights::kUniform, mesh.triangles.size()));
@@ -112,7 +112,7 @@ Status DeleteMesh(app::Engine& engine, const v1::DeleteMeshRequest& request, con
 
 Status CompileHandles(app::Engine& engine, const v1::CompileHandlesRequest& request,
                       const Call& call, v1::CompileHandlesResponse* response) {
-  const runtime::Stopwatch working;
+  const runtime::WallTimer working;
   TRY(const auto handles, FromWire(request.handles(), "handles"));
   TRY(const auto entry,
       app::CompileHandles(engine, call.caller, request.session_id(), request.mesh_id(),
@@ -124,7 +124,7 @@ Status CompileHandles(app::Engine& engine, const v1::CompileHandlesRequest& requ
 
 Status EditHandles(app::Engine& engine, const v1::EditHandlesRequest& request, const Call& call,
                    v1::EditHandlesResponse* response) {
-  const runtime::Stopwatch working;
+  const runtime::WallTimer working;
   TRY(const auto add, FromWire(request.add(), "add"));
   TRY(const auto entry,
       app::EditHandles(engine, call.caller, request.session_id(), request.handle_set_id(),
@@ -152,7 +152,7 @@ Status DeleteHandleSet(app::Engine& engine, const v1::DeleteHandleSetRequest& re
 
 Status Deform(app::Engine& engine, const v1::DeformRequest& request, const Call& call,
               v1::DeformResponse* response) {
-  const runtime::Stopwatch working;
+  const runtime::WallTimer working;
   TRY(const auto session, SessionOf(engine, call, request.session_id()));
   TRY(auto entry,
       app::WarmHandleSet(engine, call.caller, *session, request.handle_set_id(), call.cancel));

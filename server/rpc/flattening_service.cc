@@ -10,13 +10,13 @@
 #include "server/rpc/handlers.h"
 #include "server/rpc/services.h"
 #include "server/rpc/unary.h"
-#include "server/runtime/stopwatch.h"
+#include "server/runtime/clock.h"
 
 namespace arap::rpc {
 
 Status Flatten(app::Engine& engine, const v1::FlattenRequest& request, const Call& call,
                v1::FlattenResponse* response) {
-  const runtime::Stopwatch working;
+  const runtime::WallTimer working;
   const app::Limits& limits = engine.limits;
   CHECK_OK(CheckBudget(request, limits));
   TRY(const auto options, FromWire(request, limits));

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "arap/base/result.h"
-#include "server/runtime/stopwatch.h"
+#include "server/runtime/clock.h"
 
 namespace arap::runtime {
 class Metrics;
@@ -42,7 +42,7 @@ class RpcLog {
   std::string owner_ = "-";
   bool noisy_;
   runtime::Metrics* metrics_;
-  runtime::Stopwatch time_;
+  runtime::WallTimer time_;
 };
 
 }  // namespace arap::rpc

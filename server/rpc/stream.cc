@@ -19,7 +19,7 @@
 #include "server/rpc/convert_shape.h"
 #include "server/rpc/rpc_log.h"
 #include "server/rpc/status_map.h"
-#include "server/runtime/stopwatch.h"
+#include "server/runtime/clock.h"
 #include "server/sessions/rebuild.h"
 #include "server/streams/live_set.h"
 #include "server/streams/stream_policy.h"
@@ -274,7 +274,7 @@ class StreamReactor final
 
   void RunUpdate() {
     const double queue_micros = job_.waiting.Micros();
-    const runtime::Stopwatch working;
+    const runtime::WallTimer working;
     auto answer = std::make_unique<Answer>();
     v1::Shape& shape = *answer->message.mutable_shape();
     const auto make = [&]() -> Status {
@@ -291,7 +291,7 @@ class StreamReactor final
 
   void RunEdit() {
     const double queue_micros = job_.waiting.Micros();
-    const runtime::Stopwatch working;
+    const runtime::WallTimer working;
     auto answer = std::make_unique<Answer>();
     const auto make = [&]() -> Result<app::EditedSet> {
       TRY(const auto add, FromWire(edit_.add(), "add"));
@@ -315,7 +315,7 @@ class StreamReactor final
 
   // All of a shape that is known before its turn to be written.
   Status Fill(const app::LiveSet& set, const ShapeQuality& quality,
-              const runtime::Stopwatch& working, double queue_micros, v1::Shape& shape) const {
+              const runtime::WallTimer& working, double queue_micros, v1::Shape& shape) const {
     CHECK_OK(ToWire(set.deformer(), quality, options_, &shape));
     shape.set_handle_set_revision(set.entry().revision);
     shape.set_queue_micros(queue_micros);

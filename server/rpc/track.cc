@@ -23,7 +23,7 @@
 #include "server/rpc/convert_shape.h"
 #include "server/rpc/rpc_log.h"
 #include "server/rpc/status_map.h"
-#include "server/runtime/stopwatch.h"
+#include "server/runtime/clock.h"
 #include "server/sessions/rebuild.h"
 #include "server/streams/live_set.h"
 #include "server/streams/targets.h"
@@ -197,7 +197,7 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
 
   Result<std::vector<v1::DeformTrackResponse>> Solve(std::size_t count) {
     const double queue_micros = waiting_.Micros();
-    const runtime::Stopwatch working;
+    const runtime::WallTimer working;
     const auto first = static_cast<std::size_t>(next_frame_);
     std::array<std::vector<Target>, kLanes> targets;
     std::array<std::span<const Target>, kLanes> views;
@@ -239,7 +239,7 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
   ShapeOptions options_;
   std::vector<std::size_t> order_;  // of each column in the set
   std::optional<app::LiveSet> live_;
-  runtime::Stopwatch waiting_;
+  runtime::WallTimer waiting_;
   int next_frame_ = 0;
 
   Mutex mutex_;

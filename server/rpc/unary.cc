@@ -6,7 +6,7 @@
 #include "server/budget/faults.h"
 #include "server/rpc/rpc_log.h"
 #include "server/rpc/status_map.h"
-#include "server/runtime/stopwatch.h"
+#include "server/runtime/clock.h"
 #include "server/runtime/worker_pool.h"
 
 namespace arap::rpc {
@@ -87,7 +87,7 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
   Call call_;
   app::Gate::Pass pass_;
   RpcLog log_;
-  const runtime::Stopwatch waiting_;
+  const runtime::WallTimer waiting_;
 };
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Clock: where the server gets the time from, so that tests can move it.
+// Clock: where the server gets the time from, so that tests can move it. WallTimer: how long
+// something waited or took.
 #pragma once
 
 #include <chrono>
@@ -22,6 +23,19 @@ class SystemClock final : public Clock {
  public:
   Wall WallNow() const override { return std::chrono::system_clock::now(); }
   Steady SteadyNow() const override { return std::chrono::steady_clock::now(); }
+};
+
+// Of the steady clock, from its construction on; core/base/timer.h has the processor time of a
+// thread.
+class WallTimer {
+ public:
+  double Micros() const {
+    return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start_)
+        .count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace arap::runtime

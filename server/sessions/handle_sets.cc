@@ -10,8 +10,8 @@
 #include "core/base/try.h"
 #include "server/budget/estimate.h"
 #include "server/budget/faults.h"
+#include "server/runtime/clock.h"
 #include "server/runtime/metrics.h"
-#include "server/runtime/stopwatch.h"
 
 namespace arap::app {
 namespace {
@@ -77,7 +77,7 @@ Result<HandleSetEntry> CompileHandles(Workshop& workshop, const Caller& caller,
                                       const std::string& handle_set_id,
                                       const std::vector<Handle>& handles,
                                       const CancelToken& cancel) {
-  const runtime::Stopwatch working;
+  const runtime::WallTimer working;
   const Limits& limits = workshop.limits;
   TRY(const auto session, workshop.sessions.Use(caller.owner, session_id));
   CHECK_OK(CheckName(handle_set_id, "handle_set_id"));
@@ -128,7 +128,7 @@ Result<HandleSetEntry> EditHandles(Workshop& workshop, const Caller& caller,
                                    const std::string& session_id, const std::string& handle_set_id,
                                    const std::vector<std::string>& remove,
                                    const std::vector<Handle>& add, const CancelToken& cancel) {
-  const runtime::Stopwatch working;
+  const runtime::WallTimer working;
   TRY(const auto session, workshop.sessions.Use(caller.owner, session_id));
   for (;;) {
     TRY(const auto entry, WarmHandleSet(workshop, caller, *session, handle_set_id, cancel));

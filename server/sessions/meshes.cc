@@ -8,8 +8,8 @@
 #include "core/token/sha256.h"
 #include "server/budget/estimate.h"
 #include "server/budget/faults.h"
+#include "server/runtime/clock.h"
 #include "server/runtime/metrics.h"
-#include "server/runtime/stopwatch.h"
 #include "server/store/blobs/mesh_blob.h"
 
 namespace arap::app {
@@ -45,7 +45,7 @@ Result<Registration> RegisterMesh(Workshop& workshop, const Caller& caller,
                                   const std::string& session_id, std::string mesh_id,
                                   PlanarMesh mesh, const EnergyOptions& options,
                                   const CancelToken& cancel) {
-  const runtime::Stopwatch working;
+  const runtime::WallTimer working;
   TRY(const auto session, workshop.sessions.Use(caller.owner, session_id));
   if (!mesh_id.empty()) CHECK_OK(CheckName(mesh_id, "mesh_id"));
   const std::string bytes = store::EncodeMesh(mesh, options);

@@ -7,8 +7,8 @@
 #include "core/base/names.h"
 #include "core/base/try.h"
 #include "server/budget/estimate.h"
+#include "server/runtime/clock.h"
 #include "server/runtime/metrics.h"
-#include "server/runtime/stopwatch.h"
 #include "server/store/blobs/mesh_blob.h"
 
 namespace arap::app {
@@ -50,7 +50,7 @@ Result<std::shared_ptr<const RegisteredMesh>> Rebuild(Workshop& workshop, const 
       workshop.derived.Reserve(caller, RegistrationBytes(stored.mesh.vertices.size())));
   // What was accepted once stays, also when the limits have shrunk since.
   constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
-  const runtime::Stopwatch working;
+  const runtime::WallTimer working;
   TRY(auto mesh,
       RegisteredMesh::Register(std::move(stored.mesh), stored.options, {kAny, kAny}, cancel));
   workshop.metrics.Phase(runtime::Phase::kRebuild, working.Micros() * 1e-6);
@@ -102,7 +102,7 @@ Result<HandleSetEntry> WarmHandleSet(Workshop& workshop, const Caller& caller,
   const std::size_t vertices = mesh.mesh->mesh().vertices.size();
   TRY(const auto room, workshop.derived.Reserve(
                            caller, CompilationBytes(vertices, RowsOf(*set.definitions, vertices))));
-  const runtime::Stopwatch working;
+  const runtime::WallTimer working;
   TRY(entry.handles, CompiledHandles::Compile(mesh.mesh, *set.definitions, cancel));
   workshop.metrics.Phase(runtime::Phase::kRebuild, working.Micros() * 1e-6);
   return KeepWarm(workshop, session.key(), mesh.content_hash, std::move(entry));

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
-#include "server/runtime/stopwatch.h"
+#include "server/runtime/clock.h"
 #include "server/store/blobs/file_blobs.h"
 #include "server/store/blobs/files.h"
 #include "server/store/memory_store.h"
@@ -74,7 +74,7 @@ Result<Stores> OpenRedis(const StoreOptions& options) {
 
 template <class Call>
 auto Timed(runtime::Metrics& metrics, const char* operation, const Call& call) {
-  const runtime::Stopwatch time;
+  const runtime::WallTimer time;
   auto answer = call();
   metrics.Store(operation, time.Micros() * 1e-6, answer.has_value());
   return answer;

@@ -10,8 +10,8 @@
 
 #include "core/base/try.h"
 #include "core/mesh/locate.h"
+#include "server/runtime/clock.h"
 #include "server/runtime/metrics.h"
-#include "server/runtime/stopwatch.h"
 #include "server/sessions/handle_sets.h"
 #include "server/streams/targets.h"
 
@@ -97,7 +97,7 @@ LiveSet::LiveSet(HandleSetEntry entry, std::size_t lanes)
 
 Result<ShapeQuality> LiveSet::Move(std::span<const Target> targets, const DeformOptions& options,
                                    runtime::Metrics& metrics) {
-  const runtime::Stopwatch working;
+  const runtime::WallTimer working;
   TRY(const auto quality, deformer_.Update(targets, options));
   metrics.Phase(runtime::Phase::kFrame, working.Micros() * 1e-6);
   return quality;
@@ -106,7 +106,7 @@ Result<ShapeQuality> LiveSet::Move(std::span<const Target> targets, const Deform
 Status LiveSet::MoveMany(std::span<const std::span<const Target>> targets,
                          const DeformOptions& options, std::span<ShapeQuality> qualities,
                          runtime::Metrics& metrics) {
-  const runtime::Stopwatch working;
+  const runtime::WallTimer working;
   CHECK_OK(deformer_.UpdateMany(targets, options, qualities));
   const double each = working.Micros() * 1e-6 / static_cast<double>(targets.size());
   for (std::size_t i = 0; i < targets.size(); ++i) metrics.Phase(runtime::Phase::kTrack, each);
@@ -117,7 +117,7 @@ Result<EditedSet> LiveSet::Edited(const std::vector<std::string>& remove,
                                   const std::vector<Handle>& add, std::span<const Target> targets,
                                   const DeformOptions& options, const Limits& limits,
                                   const CancelToken& cancel, runtime::Metrics& metrics) const {
-  const runtime::Stopwatch working;
+  const runtime::WallTimer working;
   TRY(auto entry, EditEntry(entry_, remove, add, limits, cancel));
   EditedSet edited{LiveSet(std::move(entry)), {}, {}};
 

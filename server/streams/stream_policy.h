@@ -40,7 +40,6 @@
 #include "arap/core/compiled_handles.h"
 #include "server/budget/limits.h"
 #include "server/runtime/clock.h"
-#include "server/runtime/stopwatch.h"
 #include "server/streams/admission.h"
 #include "server/streams/stream_outbox.h"
 #include "server/streams/targets.h"
@@ -83,7 +82,7 @@ struct StreamJob {     // run this job, and tell how it ended; there is no other
   std::uint64_t sequence = 0;       // kUpdate, kEdit
   std::span<const Target> targets;  // kUpdate: to go to; kEdit: the last ones. Until the job ends.
   std::vector<Complex> picks;       // kUpdate
-  runtime::Stopwatch waiting;       // since it was taken
+  runtime::WallTimer waiting;       // since it was taken
 };
 struct StreamWrite {  // write this; no other write is under way
   StreamAnswer answer;
@@ -144,7 +143,7 @@ class StreamPolicy {
   struct Accepted {
     std::uint64_t sequence = 0;
     std::vector<Complex> picks;
-    runtime::Stopwatch waiting;
+    runtime::WallTimer waiting;
   };
 
   // Each takes the held message, or leaves it held and answers false.
