@@ -5,11 +5,12 @@
 
 #include <fmt/format.h>
 
+#include "core/base/try.h"
 #include "core/deform/compiled_parts.h"
 #include "core/deform/direct_solver.h"
 #include "core/deform/null_space_solver.h"
-#include "core/deform/roles.h"
 #include "core/deform/target_rows.h"
+#include "core/mesh/validation.h"
 
 namespace arap {
 namespace {
@@ -20,37 +21,34 @@ Status CheckIds(const std::vector<PlacedHandle>& kept, const std::vector<Handle>
   for (std::size_t i = 0; i < added.size(); ++i) {
     if (ids.insert(added[i].id).second) continue;
     return Fail(Fault(FaultKind::kDuplicateHandle,
-                      fmt::format("two handles have the id \"{}\"", added[i].id))
+                      fmt::format("Two handles have the id \"{}\".", added[i].id))
                     .Field(fmt::format("handles[{}].handle_id", i))
                     .Element(static_cast<std::uint32_t>(i))
-                    .Detail("handle", added[i].id));
+                    .Detail("handle_id", added[i].id));
   }
   return {};
 }
 
 // `parts` comes with the kept handles, rows and their columns; adds the rest and decides all anew.
-Status Extend(CompiledHandlesParts& parts, std::vector<Handle> add, const CancelToken& cancel) {
-  if (auto ok = CheckIds(parts.handles, add); !ok) return ok;
+Status Extend(CompiledHandlesParts& parts, const std::vector<Handle>& add,
+              const CancelToken& cancel) {
+  CHECK_OK(CheckIds(parts.handles, add));
   const RegisteredMeshParts& mesh = parts.mesh->parts();
-  std::vector<Row> added;
-  for (std::size_t i = 0; i < add.size(); ++i) {
-    auto placement = PlaceHandle(mesh, add[i], i);
-    if (!placement) return Fail(std::move(placement.error()));
-    for (Row& row : placement->rows) {
+  TRY(auto placements, PlaceHandles(mesh, add));
+  for (Placement& placement : placements) {
+    for (Row& row : placement.rows) {
       row.handle = static_cast<std::uint32_t>(parts.handles.size());
-      added.push_back(row);
+      parts.rows.push_back(row);
     }
-    parts.handles.push_back(std::move(placement->placed));
+    parts.handles.push_back(std::move(placement.placed));
   }
-  parts.rows.insert(parts.rows.end(), added.begin(), added.end());
-  DecideRoles(parts);
+  parts.index = HandleIndex(parts.handles);
+  parts.roles = DecideRoles(mesh.components.size(), parts.rows);
   const bool direct = parts.choice == HandleSolver::kDirect ||
                       (parts.choice == HandleSolver::kAuto && parts.rows.size() > kDirectRows);
-  if (direct && !parts.active_rows.empty()) {
+  if (direct && !parts.roles.active_rows.empty()) {
     parts.responses.reset();
-    auto solver = DirectSolver::Make(parts, cancel);
-    if (!solver) return Fail(std::move(solver.error()));
-    parts.solver = std::move(*solver);
+    TRY(parts.solver, DirectSolver::Make(parts, cancel));
     return {};
   }
   // Responses that the set came with are those of its first rows.
@@ -58,7 +56,7 @@ Status Extend(CompiledHandlesParts& parts, std::vector<Handle> add, const Cancel
                                    : std::make_shared<Responses>();
   const auto known = static_cast<std::ptrdiff_t>(responses->rows());
   const std::vector<Row> missing(parts.rows.begin() + known, parts.rows.end());
-  if (auto ok = responses->Append(mesh, missing, cancel); !ok) return ok;
+  CHECK_OK(responses->Append(mesh, missing, cancel));
   parts.responses = std::move(responses);
   parts.solver = std::make_shared<NullSpaceSolver>(parts);
   return {};
@@ -95,29 +93,30 @@ CompiledHandles::CompiledHandles(std::unique_ptr<const CompiledHandlesParts> par
 CompiledHandles::~CompiledHandles() = default;
 
 Result<std::shared_ptr<const CompiledHandles>> CompiledHandles::Compile(
-    std::shared_ptr<const RegisteredMesh> mesh, std::vector<Handle> handles,
+    std::shared_ptr<const RegisteredMesh> mesh, const std::vector<Handle>& handles,
     const CancelToken& cancel, HandleSolver solver) {
   auto parts = std::make_unique<CompiledHandlesParts>();
   parts->mesh = std::move(mesh);
   parts->choice = solver;
-  if (auto ok = Extend(*parts, std::move(handles), cancel); !ok) return Fail(std::move(ok.error()));
+  CHECK_OK(Extend(*parts, handles, cancel));
   return std::shared_ptr<const CompiledHandles>(new CompiledHandles(std::move(parts)));
 }
 
 Result<std::shared_ptr<const CompiledHandles>> CompiledHandles::Edit(
-    std::span<const std::string> remove, std::vector<Handle> add, const CancelToken& cancel) const {
+    std::span<const std::string> remove, const std::vector<Handle>& add,
+    const CancelToken& cancel) const {
   std::vector<bool> removed(parts_->handles.size(), false);
   for (const std::string& id : remove) {
     const auto index = Find(id);
     if (!index) {
-      return Fail(Fault(FaultKind::kUnknownHandle, fmt::format("no handle has the id \"{}\"", id))
+      return Fail(Fault(FaultKind::kUnknownHandle, fmt::format("No handle has the id \"{}\".", id))
                       .Field("remove")
-                      .Detail("handle", id));
+                      .Detail("handle_id", id));
     }
     removed[*index] = true;
   }
   auto parts = Without(*parts_, removed);
-  if (auto ok = Extend(*parts, std::move(add), cancel); !ok) return Fail(std::move(ok.error()));
+  CHECK_OK(Extend(*parts, add, cancel));
   return std::shared_ptr<const CompiledHandles>(new CompiledHandles(std::move(parts)));
 }
 
@@ -126,11 +125,8 @@ const std::vector<PlacedHandle>& CompiledHandles::handles() const { return parts
 std::size_t CompiledHandles::rows() const { return parts_->rows.size(); }
 
 std::optional<std::size_t> CompiledHandles::Find(std::string_view id) const {
-  const auto& handles = parts_->handles;
-  const auto it = std::find_if(handles.begin(), handles.end(),
-                               [&](const PlacedHandle& h) { return h.handle.id == id; });
-  if (it == handles.end()) return std::nullopt;
-  return static_cast<std::size_t>(it - handles.begin());
+  return parts_->index.Find(parts_->handles, id,
+                            [](std::string_view a, std::string_view b) { return a.compare(b); });
 }
 
 std::vector<Target> CompiledHandles::RestTargets() const {
@@ -140,39 +136,39 @@ std::vector<Target> CompiledHandles::RestTargets() const {
 }
 
 Status CompiledHandles::CheckHard(std::span<const Target> targets) const {
-  if (parts_->dependent.empty()) return {};
+  if (parts_->roles.dependent.empty()) return {};
   return TargetRows(*parts_).Place(targets);
 }
 
 bool CompiledHandles::direct() const { return parts_->responses == nullptr; }
 
 std::size_t CompiledHandles::bytes() const {
-  return parts_->solver->bytes() + parts_->rows.size() * sizeof(Row);
+  return parts_->solver->bytes() + parts_->rows.size() * sizeof(Row) + parts_->index.bytes();
 }
 
 std::size_t CompiledHandles::resting_components() const {
-  return static_cast<std::size_t>(
-      std::count(parts_->roles.begin(), parts_->roles.end(), ComponentRole::kResting));
+  const auto& roles = parts_->roles.of;
+  return static_cast<std::size_t>(std::count(roles.begin(), roles.end(), ComponentRole::kResting));
 }
 std::size_t CompiledHandles::translating_components() const {
+  const auto& roles = parts_->roles.of;
   return static_cast<std::size_t>(
-      std::count(parts_->roles.begin(), parts_->roles.end(), ComponentRole::kTranslating));
+      std::count(roles.begin(), roles.end(), ComponentRole::kTranslating));
 }
 
 std::vector<Warning> CompiledHandles::warnings() const {
   std::vector<Warning> warnings;
-  Warning snapped{"snapped_handles", 0, {}, ""};
+  std::vector<std::uint32_t> snapped;
   for (std::uint32_t i = 0; i < parts_->handles.size(); ++i) {
-    if (parts_->handles[i].snapped_distance == 0) continue;
-    ++snapped.count;
-    if (snapped.elements.size() < Fault::kMaxElements) snapped.elements.push_back(i);
+    if (parts_->handles[i].snapped_distance != 0) snapped.push_back(i);
   }
-  snapped.message =
-      fmt::format("{} handles lay outside the mesh and were moved to its boundary", snapped.count);
-  if (snapped.count > 0) warnings.push_back(std::move(snapped));
+  AddWarning(
+      "snapped_handles", snapped,
+      fmt::format("{} handles lay outside the mesh and were moved to its boundary", snapped.size()),
+      warnings);
   const auto add = [&](const char* kind, std::size_t count, const char* what) {
-    if (count > 0)
-      warnings.push_back({kind, count, {}, fmt::format("{} components {}", count, what)});
+    if (count == 0) return;
+    warnings.push_back({kind, count, {}, fmt::format("{} components {}", count, what)});
   };
   add("resting_components", resting_components(), "have no handle and stay at rest");
   add("translating_components", translating_components(),

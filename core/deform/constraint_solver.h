@@ -1,6 +1,6 @@
 // ConstraintSolver: how a set of constraint rows bends a shape, behind one door.
 //
-// Two ways lead to the same minimiser [algorithm §4]: the null-space form on the mesh's own factors
+// Two ways lead to the same minimiser [algorithm §2]: the null-space form on the mesh's own factors
 // (null_space_solver.h), cheap to compile and to edit, and a direct factorisation of mesh and
 // handles together (direct_solver.h), cheaper per frame and per handle when there are many.
 #pragma once

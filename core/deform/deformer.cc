@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/try.h"
 #include "core/deform/compiled_parts.h"
 #include "core/deform/frame.h"
 
@@ -12,10 +13,12 @@ namespace {
 
 Status CheckOptions(const DeformOptions& options) {
   if (options.refine < 0 || options.refine > kMaxRefine) {
-    return Fail(Fault(FaultKind::kInvalidOption,
-                      fmt::format("refine is {}; it must be 0 to {}", options.refine, kMaxRefine))
-                    .Field("options.refine")
-                    .Detail("limit", fmt::to_string(kMaxRefine)));
+    return Fail(
+        Fault(FaultKind::kInvalidOption,
+              fmt::format("options.refine is {}; it must be 0 to {}.", options.refine, kMaxRefine))
+            .Field("options.refine")
+            .Detail("value", options.refine)
+            .Detail("limit", kMaxRefine));
   }
   return {};
 }
@@ -54,18 +57,14 @@ class Deformer::Scratch {
   // fault ends it and leaves all positions alone.
   Status Update(std::span<const std::span<const Target>> given, const DeformOptions& options,
                 std::span<ShapeQuality> qualities) {
-    if (auto ok = CheckOptions(options); !ok) return ok;
-    for (std::size_t i = 0; i < given.size(); ++i) {
-      if (auto ok = frames_[i].Begin(given[i], solver_); !ok) return ok;
-    }
+    CHECK_OK(CheckOptions(options));
+    for (std::size_t i = 0; i < given.size(); ++i) CHECK_OK(frames_[i].Begin(given[i], solver_));
     const bool turned = options.mode == DeformMode::kRigid;
     for (int step = 0; step < RigidSteps(options); ++step) {
-      if (auto ok = RigidStep(turned, given.size()); !ok) return ok;
+      CHECK_OK(RigidStep(turned, given.size()));
     }
     for (std::size_t i = 0; i < given.size(); ++i) {
-      auto quality = frames_[i].Finish(given[i], next_[i]);
-      if (!quality) return Fail(std::move(quality.error()));
-      qualities[i] = *quality;
+      TRY(qualities[i], frames_[i].Finish(given[i], next_[i]));
     }
     for (std::size_t i = 0; i < given.size(); ++i) positions[i].swap(next_[i]);
     return {};
@@ -84,7 +83,7 @@ class Deformer::Scratch {
     if (set_.solver->NeedsRigidSolve(turned)) {
       const auto all = set_.solver->rigid_factor().Solve(std::span(force_).first(count * size),
                                                          2 * count, solver_.workspace);
-      if (all.empty()) return Fail(FaultKind::kNumerical, "a back-substitution ran out of memory");
+      if (all.empty()) return Fail(FaultKind::kNumerical, "A back-substitution ran out of memory.");
       solution = all.data();
     }
     for (std::size_t i = 0; i < count; ++i) {
@@ -109,9 +108,7 @@ Deformer& Deformer::operator=(Deformer&&) noexcept = default;
 Result<ShapeQuality> Deformer::Update(std::span<const Target> targets,
                                       const DeformOptions& options) {
   ShapeQuality quality;
-  if (auto ok = scratch_->Update({&targets, 1}, options, {&quality, 1}); !ok) {
-    return Fail(std::move(ok.error()));
-  }
+  CHECK_OK(scratch_->Update({&targets, 1}, options, {&quality, 1}));
   return quality;
 }
 
@@ -119,7 +116,7 @@ Status Deformer::UpdateMany(std::span<const std::span<const Target>> frames,
                             const DeformOptions& options, std::span<ShapeQuality> qualities) {
   if (frames.size() > lanes() || qualities.size() < frames.size()) {
     return Fail(FaultKind::kInternal,
-                fmt::format("{} frames for {} lanes", frames.size(), lanes()));
+                fmt::format("There are {} frames for {} lanes.", frames.size(), lanes()));
   }
   return scratch_->Update(frames, options, qualities);
 }

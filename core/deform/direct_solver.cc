@@ -1,5 +1,8 @@
 #include "core/deform/direct_solver.h"
 
+#include <algorithm>
+
+#include "core/base/try.h"
 #include "core/deform/compiled_parts.h"
 #include "core/energy/assemble.h"
 
@@ -43,7 +46,7 @@ Status MakeSchur(const Factor<Scalar>& factor, const std::vector<Row>& rows,
     std::fill(right.begin(), right.end(), Scalar(0));
     for (std::size_t c = 0; c < 3; ++c) right[row.vertex[c]] += row.weight[c];
     const std::span<const Scalar> z = factor.Solve(right, 1, workspace);
-    if (z.empty()) return Fail(FaultKind::kNumerical, "a back-substitution ran out of memory");
+    if (z.empty()) return Fail(FaultKind::kNumerical, "A back-substitution ran out of memory.");
     std::copy(z.begin(), z.end(), responses.col(j).data());
   }
   typename Saddle<Scalar>::Matrix cz(k, k);
@@ -65,40 +68,33 @@ Status MakeSchur(const Factor<Scalar>& factor, const std::vector<Row>& rows,
 Result<std::shared_ptr<const ConstraintSolver>> DirectSolver::Make(
     const CompiledHandlesParts& parts, const CancelToken& cancel) {
   std::shared_ptr<DirectSolver> solver(new DirectSolver());
-  if (auto ok = solver->FactorWith(parts, cancel); !ok) return Fail(std::move(ok.error()));
-  if (auto ok = solver->AddHardRows(); !ok) return Fail(std::move(ok.error()));
+  CHECK_OK(solver->FactorWith(parts, cancel));
+  CHECK_OK(solver->AddHardRows());
   return std::shared_ptr<const ConstraintSolver>(std::move(solver));
 }
 
 Status DirectSolver::FactorWith(const CompiledHandlesParts& parts, const CancelToken& cancel) {
   mesh_ = &parts.mesh->parts();
-  for (const std::size_t r : parts.active_rows) {
+  for (const std::size_t r : parts.roles.active_rows) {
     if (parts.rows[r].compliance == 0) hard_.push_back(rows_.size());
     rows_.push_back(parts.rows[r]);
   }
   fixed_.resize(mesh_->rest.size());
   for (std::size_t v = 0; v < fixed_.size(); ++v) {
     const std::uint32_t c = mesh_->topology.vertex_component[v];
-    fixed_[v] = c == kNone || parts.active_slot[c] == kNone;
+    fixed_[v] = c == kNone || parts.roles.active_slot[c] == kNone;
   }
-  if (auto ok = cancel.Check(); !ok) return ok;
-  auto similarity = Factor<Complex>::Make(WithRows(AssembleSimilarity(mesh_->cells, fixed_), rows_),
-                                          FactorLayout::kPacked, mesh_->similarity->order());
-  if (!similarity) return Fail(std::move(similarity.error()));
-  similarity_ = std::move(*similarity);
-  if (auto ok = cancel.Check(); !ok) return ok;
-  auto rigid = Factor<double>::Make(WithRows(AssembleRigid(mesh_->cells, fixed_), rows_),
-                                    FactorLayout::kPacked, mesh_->rigid->order());
-  if (!rigid) return Fail(std::move(rigid.error()));
-  rigid_ = std::move(*rigid);
+  CHECK_OK(cancel.Check());
+  TRY(similarity_, Factor<Complex>::Make(WithRows(AssembleSimilarity(mesh_->cells, fixed_), rows_),
+                                         FactorLayout::kPacked, mesh_->similarity->order()));
+  CHECK_OK(cancel.Check());
+  TRY(rigid_, Factor<double>::Make(WithRows(AssembleRigid(mesh_->cells, fixed_), rows_),
+                                   FactorLayout::kPacked, mesh_->rigid->order()));
   return cancel.Check();
 }
 
 Status DirectSolver::AddHardRows() {
-  if (auto ok = MakeSchur(*similarity_, rows_, hard_, similarity_responses_, similarity_schur_);
-      !ok) {
-    return ok;
-  }
+  CHECK_OK(MakeSchur(*similarity_, rows_, hard_, similarity_responses_, similarity_schur_));
   return MakeSchur(*rigid_, rows_, hard_, rigid_responses_, rigid_schur_);
 }
 

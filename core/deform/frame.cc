@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/try.h"
 #include "core/energy/local_step.h"
 
 namespace arap {
@@ -12,18 +13,18 @@ Frame::Frame(const CompiledHandlesParts& set)
       mesh_(set.mesh->parts()),
       targets_(set),
       shape_(2 * mesh_.rest.size()),
-      miss_(set.active_rows.size()),
+      miss_(set.roles.active_rows.size()),
       base_(mesh_.components.size()),
       counts_(mesh_.components.size()),
       sizes_(mesh_.components.size()),
       mean_(mesh_.components.size(), 1) {}
 
 Status Frame::Begin(std::span<const Target> targets, SolverScratch& scratch) {
-  if (auto ok = targets_.Place(targets); !ok) return ok;
+  CHECK_OK(targets_.Place(targets));
   FitBase();
   StartFromBase(false);
   if (!set_.solver->AddSimilarity(miss_, {x(), y()}, scratch)) {
-    return Fail(FaultKind::kNumerical, "a back-substitution ran out of memory");
+    return Fail(FaultKind::kNumerical, "A back-substitution ran out of memory.");
   }
   return {};
 }
@@ -47,12 +48,12 @@ Result<ShapeQuality> Frame::Finish(std::span<const Target> targets,
                                    std::vector<Complex>& positions) {
   if (!Place(positions)) {
     return Fail(FaultKind::kNumerical,
-                "the shape is not finite: the targets are too far away for this mesh");
+                "The shape is not finite: the targets are too far away for this mesh.");
   }
   const ShapeQuality quality = Measure(targets, positions);
   if (!std::isfinite(quality.energy) || !std::isfinite(quality.worst_handle_error) ||
       !std::isfinite(quality.mean_stretch)) {
-    return Fail(FaultKind::kNumerical, "a measure of the shape is not finite");
+    return Fail(FaultKind::kNumerical, "A measure of the shape is not finite.");
   }
   return quality;
 }
@@ -63,7 +64,7 @@ Result<ShapeQuality> Frame::Finish(std::span<const Target> targets,
 void Frame::FitBase() {
   for (Similarity& s : base_) s = {0, 0, 0};
   for (std::size_t c = 0; c < base_.size(); ++c) counts_[c] = sizes_[c] = 0;
-  for (const std::size_t r : set_.active_rows) {
+  for (const std::size_t r : set_.roles.active_rows) {
     const std::uint32_t c = set_.rows[r].component;
     base_[c].from += set_.rows[r].rest;
     base_[c].place += targets_[r];
@@ -74,7 +75,7 @@ void Frame::FitBase() {
     base_[c].from /= counts_[c];
     base_[c].place /= counts_[c];
   }
-  for (const std::size_t r : set_.active_rows) {
+  for (const std::size_t r : set_.roles.active_rows) {
     const std::uint32_t c = set_.rows[r].component;
     const Complex arm = set_.rows[r].rest - base_[c].from;
     base_[c].turn += std::conj(arm) * (targets_[r] - base_[c].place);
@@ -92,14 +93,14 @@ void Frame::StartFromBase(bool rigid) {
   for (std::size_t v = 0; v < n(); ++v) {
     const std::uint32_t c = mesh_.topology.vertex_component[v];
     Complex p = mesh_.rest[v];
-    if (c != kNone && set_.active_slot[c] != kNone) {
+    if (c != kNone && set_.roles.active_slot[c] != kNone) {
       p = base_[c].place + (rigid ? mean_[c] : base_[c].turn) * (p - base_[c].from);
     }
     x()[v] = p.real();
     y()[v] = p.imag();
   }
   for (std::size_t i = 0; i < miss_.size(); ++i) {
-    const std::size_t r = set_.active_rows[i];
+    const std::size_t r = set_.roles.active_rows[i];
     miss_[i] = targets_[r] - PointOf(set_.rows[r], View());
   }
 }
@@ -110,7 +111,7 @@ bool Frame::Place(std::vector<Complex>& positions) {
   double probe = 0;  // NaN or infinite as soon as one number is
   for (std::size_t v = 0; v < n(); ++v) {
     const std::uint32_t c = mesh_.topology.vertex_component[v];
-    if (c != kNone && set_.active_slot[c] != kNone) {
+    if (c != kNone && set_.roles.active_slot[c] != kNone) {
       positions[v] = mesh_.origin + unit * (Complex(x()[v], y()[v]) + targets_.middle());
     } else {
       positions[v] = mesh_.mesh.vertices[v];

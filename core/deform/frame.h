@@ -1,4 +1,4 @@
-// Frame: one set of targets on its way to a shape, step by step [algorithm §7].
+// Frame: one set of targets on its way to a shape, step by step [algorithm §2].
 //
 // The rigid solve itself is left to the caller, so that several frames can share one pass over the
 // factor.

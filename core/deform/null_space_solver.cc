@@ -1,18 +1,145 @@
 #include "core/deform/null_space_solver.h"
 
-#include "core/deform/columns.h"
+#include <algorithm>
+
+#include "core/base/try.h"
+#include "core/base/wide.h"
 #include "core/deform/compiled_parts.h"
 
 namespace arap {
+namespace {
+
+// Columns solved together: as many as the factors take at once, and few to be cancelled between.
+constexpr std::size_t kSolvedTogether = 4;
+
+// Calls store(row, solution) for G applied to every row.
+template <class Scalar, class Store>
+Status SolveRows(const Factor<Scalar>& factor, const std::vector<Row>& rows,
+                 const std::vector<std::uint32_t>& grounded, const CancelToken& cancel,
+                 Store store) {
+  const std::size_t n = factor.size();
+  Workspace workspace;
+  std::vector<Scalar> right;
+  for (std::size_t begin = 0; begin < rows.size(); begin += kSolvedTogether) {
+    CHECK_OK(cancel.Check());
+    const std::size_t count = std::min(kSolvedTogether, rows.size() - begin);
+    right.assign(n * count, Scalar(0));
+    for (std::size_t j = 0; j < count; ++j) {
+      const Row& row = rows[begin + j];
+      for (std::size_t k = 0; k < 3; ++k) right[j * n + row.vertex[k]] += row.weight[k];
+      for (const std::uint32_t v : grounded) right[j * n + v] = Scalar(0);
+    }
+    const std::span<const Scalar> z = factor.Solve(right, count, workspace);
+    if (z.empty()) return Fail(FaultKind::kNumerical, "A back-substitution ran out of memory.");
+    for (std::size_t j = 0; j < count; ++j) store(begin + j, z.subspan(j * n, n));
+  }
+  return {};
+}
+
+// How many columns are added in one pass over the shape.
+constexpr std::size_t kColumnGroup = 4;
+
+// One column (#V) and what it is multiplied with.
+struct ScaledColumn {
+  const double* values = nullptr;
+  Complex factor;
+};
+
+ARAP_WIDE_BODY void AddFour(const ScaledColumn* c, std::size_t begin, std::size_t end, double* x,
+                            double* y) {
+  const double *z0 = c[0].values, *z1 = c[1].values, *z2 = c[2].values, *z3 = c[3].values;
+  const Complex f0 = c[0].factor, f1 = c[1].factor, f2 = c[2].factor, f3 = c[3].factor;
+#pragma GCC ivdep
+  for (std::size_t v = begin; v < end; ++v) {
+    x[v] += (z0[v] * f0.real() + z1[v] * f1.real()) + (z2[v] * f2.real() + z3[v] * f3.real());
+    y[v] += (z0[v] * f0.imag() + z1[v] * f1.imag()) + (z2[v] * f2.imag() + z3[v] * f3.imag());
+  }
+}
+
+ARAP_WIDE(AddFour, AddFourWide,
+          (const ScaledColumn* c, std::size_t begin, std::size_t end, double* x, double* y),
+          (c, begin, end, x, y))
+
+// shape += Σ values·factor over `columns`, for vertices [begin, end). Their order decides the
+// rounding.
+void AddGroup(const ScaledColumn* columns, std::size_t count, std::size_t begin, std::size_t end,
+              ShapeView shape) {
+  std::size_t i = 0;
+  for (; i + kColumnGroup <= count; i += kColumnGroup) {
+    (HasWide() ? AddFourWide : AddFour)(columns + i, begin, end, shape.x, shape.y);
+  }
+  for (; i < count; ++i) {
+    const Complex factor = columns[i].factor;
+    const double* z = columns[i].values;
+    for (std::size_t v = begin; v < end; ++v) shape.x[v] += z[v] * factor.real();
+    for (std::size_t v = begin; v < end; ++v) shape.y[v] += z[v] * factor.imag();
+  }
+}
+
+// shape += Σ values·factor over the columns that `column_at(i)` makes, for all n vertices; block by
+// block, so that the shape stays in the nearest cache.
+template <class ColumnAt>
+void AddColumns(std::size_t count, std::size_t n, ShapeView shape, ColumnAt column_at) {
+  constexpr std::size_t kBlock = 1024;
+  for (std::size_t begin = 0; begin < n; begin += kBlock) {
+    const std::size_t end = begin + kBlock < n ? begin + kBlock : n;
+    for (std::size_t i = 0; i < count; i += kColumnGroup) {
+      ScaledColumn group[kColumnGroup];
+      const std::size_t size = count - i < kColumnGroup ? count - i : kColumnGroup;
+      for (std::size_t k = 0; k < size; ++k) group[k] = column_at(i + k);
+      AddGroup(group, size, begin, end, shape);
+    }
+  }
+}
+
+}  // namespace
+
+std::size_t Responses::bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& column : columns_) bytes += column->rigid.size() * 3 * sizeof(double);
+  return bytes;
+}
+
+Responses Responses::Select(const std::vector<std::size_t>& rows) const {
+  Responses selected;
+  for (const std::size_t row : rows) selected.columns_.push_back(columns_[row]);
+  return selected;
+}
+
+Status Responses::Append(const RegisteredMeshParts& mesh, const std::vector<Row>& added,
+                         const CancelToken& cancel) {
+  std::vector<std::shared_ptr<Column>> columns;
+  for (std::size_t j = 0; j < added.size(); ++j) columns.push_back(std::make_shared<Column>());
+
+  std::vector<std::uint32_t> grounded;
+  for (const MeshComponent& c : mesh.components) grounded.push_back(c.ground0);
+  CHECK_OK(SolveRows<double>(*mesh.rigid, added, grounded, cancel,
+                             [&](std::size_t j, std::span<const double> z) {
+                               columns[j]->rigid.assign(z.begin(), z.end());
+                             }));
+  for (const MeshComponent& c : mesh.components) grounded.push_back(c.ground1);
+  CHECK_OK(SolveRows<Complex>(*mesh.similarity, added, grounded, cancel,
+                              [&](std::size_t j, std::span<const Complex> z) {
+                                Column& column = *columns[j];
+                                column.similarity_real.reserve(z.size());
+                                column.similarity_imag.reserve(z.size());
+                                for (const Complex x : z) {
+                                  column.similarity_real.push_back(x.real());
+                                  column.similarity_imag.push_back(x.imag());
+                                }
+                              }));
+  columns_.insert(columns_.end(), columns.begin(), columns.end());
+  return {};
+}
 
 NullSpaceSolver::NullSpaceSolver(const CompiledHandlesParts& parts)
-    : mesh_(&parts.mesh->parts()), responses_(parts.responses), slot_(parts.active_slot) {
-  for (const std::size_t r : parts.active_rows) {
+    : mesh_(&parts.mesh->parts()), responses_(parts.responses), slot_(parts.roles.active_slot) {
+  for (const std::size_t r : parts.roles.active_rows) {
     rows_.push_back(parts.rows[r]);
     columns_.push_back(r);
   }
   const auto k = static_cast<Eigen::Index>(rows_.size());
-  const auto m = static_cast<Eigen::Index>(parts.active_components);
+  const auto m = static_cast<Eigen::Index>(parts.roles.active_components);
   Eigen::MatrixXcd cz1(k, k), cn1 = Eigen::MatrixXcd::Zero(k, 2 * m);
   Eigen::MatrixXd cz2(k, k), cn2 = Eigen::MatrixXd::Zero(k, m);
   for (Eigen::Index i = 0; i < k; ++i) {

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 
+#include "arap/core/depth_order.h"
 #include "core/deform/registered_parts.h"
-#include "core/mesh/locate.h"
+#include "core/mesh/plane.h"
 
 namespace arap {
 
 Picker::Picker(std::shared_ptr<const CompiledHandles> handles)
-    : handles_(std::move(handles)), depths_(handles_->VertexDepths()) {}
+    : handles_(std::move(handles)), depths_(VertexDepths(*handles_)) {}
 
 std::optional<Pick> Picker::Find(std::span<const Complex> positions, Complex point) const {
   const RegisteredMeshParts& mesh = handles_->mesh()->parts();

@@ -2,194 +2,214 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
-#include "core/mesh/locate.h"
+#include "core/base/try.h"
+#include "core/mesh/plane.h"
 
 namespace arap {
 namespace {
 
-tl::unexpected<Fault> BadOption(std::size_t index, const char* field, std::string message) {
-  return Fail(Fault(FaultKind::kInvalidOption, std::move(message))
-                  .Field(fmt::format("handles[{}].{}", index, field))
-                  .Element(static_cast<std::uint32_t>(index)));
+constexpr double kBarycentricTolerance = 1e-6;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Fault Bad(FaultKind kind, const std::string& field, std::size_t index, std::string sentence) {
+  return Fault(kind, std::move(sentence)).Field(field).Element(static_cast<std::uint32_t>(index));
+}
+
+// Finite and from `low` to `high`, infinite where there is no such bound.
+Status CheckRange(double value, double low, double high, std::size_t index, const char* part) {
+  if (std::isfinite(value) && value >= low && value <= high) return {};
+  const std::string field = fmt::format("handles[{}].{}", index, part);
+  std::string sentence = fmt::format("{} is {}, but must be finite", field, value);
+  if (std::isfinite(low)) sentence += fmt::format(", at least {}", low);
+  if (std::isfinite(high)) sentence += fmt::format(", at most {}", high);
+  return Fail(Bad(FaultKind::kInvalidOption, field, index, sentence + ".").Detail("value", value));
 }
 
 Status CheckHandle(const Handle& h, std::size_t index) {
-  if (!h.hard && !(h.weight >= Handle::kMinWeight && h.weight <= Handle::kMaxWeight)) {
-    return BadOption(index, "weight",
-                     fmt::format("handle \"{}\" has weight {}; it must be {} to {}", h.id, h.weight,
-                                 Handle::kMinWeight, Handle::kMaxWeight));
-  }
-  if (!(h.area_radius >= 0 && std::isfinite(h.area_radius))) {
-    return BadOption(
-        index, "area_radius",
-        fmt::format("handle \"{}\" has area radius {}; it must be finite and at least 0", h.id,
-                    h.area_radius));
-  }
-  if (!(std::abs(h.depth) <= Handle::kMaxDepth)) {
-    return BadOption(index, "depth",
-                     fmt::format("handle \"{}\" has depth {}; it must be from {} to {}", h.id,
-                                 h.depth, -Handle::kMaxDepth, Handle::kMaxDepth));
-  }
-  if (!(h.depth_falloff >= 0 && std::isfinite(h.depth_falloff))) {
-    return BadOption(index, "depth_falloff",
-                     fmt::format("handle \"{}\" has depth falloff {}; it must be finite and at "
-                                 "least 0",
-                                 h.id, h.depth_falloff));
-  }
-  return {};
+  constexpr double kMost = Handle::kMaxDepth;
+  CHECK_OK(CheckRange(h.weight, Handle::kMinWeight, Handle::kMaxWeight, index, "weight"));
+  CHECK_OK(CheckRange(h.area_radius, 0, kInfinity, index, "area_radius"));
+  CHECK_OK(CheckRange(h.depth, -kMost, kMost, index, "depth"));
+  return CheckRange(h.depth_falloff, 0, kInfinity, index, "depth_falloff");
 }
 
-// Where a handle sits: a triangle and barycentric weights (a vertex: its first triangle, one weight
-// 1).
+// Where a handle sits; on a vertex one weight is 1.
 struct Seat {
   std::uint32_t triangle = kNone;
   std::array<double, 3> barycentric{};
   double snapped = 0;  // normalised
 };
 
-tl::unexpected<Fault> OutOfRange(const char* what, std::uint32_t id, std::size_t count,
-                                 const Handle& handle, std::size_t index) {
-  return Fail(Fault(FaultKind::kIndexOutOfRange,
-                    fmt::format("handle \"{}\" is on {} {}, but the mesh has {}", handle.id, what,
-                                id, count))
-                  .Field(fmt::format("handles[{}]", index))
-                  .Element(static_cast<std::uint32_t>(index))
-                  .Detail(what, fmt::to_string(id))
-                  .Detail("count", fmt::to_string(count)));
+Fault OutOfRange(const char* what, std::uint32_t id, std::size_t count, const Handle& handle,
+                 std::size_t index) {
+  return Bad(FaultKind::kIndexOutOfRange, fmt::format("handles[{}]", index), index,
+             fmt::format("Handle \"{}\" is on {} {}, but the mesh has {}.", handle.id, what, id,
+                         count))
+      .Detail(what, id)
+      .Detail("count", count);
 }
 
-Result<Seat> SitOn(const RegisteredMeshParts& mesh, const VertexAnchor& anchor,
-                   const Handle& handle, std::size_t index) {
-  if (anchor.vertex >= mesh.rest.size()) {
-    return OutOfRange("vertex", anchor.vertex, mesh.rest.size(), handle, index);
-  }
-  const auto& triangles = mesh.mesh.triangles;
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (triangles[t][k] != anchor.vertex) continue;
-      Seat seat{t, {}, 0};
-      seat.barycentric[k] = 1;
-      return seat;
+class Placer {
+ public:
+  explicit Placer(const RegisteredMeshParts& mesh) : mesh_(mesh) {}
+
+  Result<Placement> Place(const Handle& handle, std::size_t index) {
+    CHECK_OK(CheckHandle(handle, index));
+    TRY(const Seat seat,
+        std::visit([&](const auto& anchor) { return SitOn(anchor, handle, index); },
+                   handle.anchor));
+    const Triangle& corners = mesh_.mesh.triangles[seat.triangle];
+    Complex rest = 0;
+    for (std::size_t k = 0; k < 3; ++k) rest += seat.barycentric[k] * mesh_.rest[corners[k]];
+
+    Placement placement;
+    if (handle.oriented || handle.area_radius > 0) {
+      const double radius = handle.area_radius / mesh_.report.diagonal;
+      for (const std::uint32_t v : HeldVertices(seat.triangle, rest, radius)) {
+        placement.rows.push_back({0, {v, v, v}, {1, 0, 0}, mesh_.rest[v], {}, 0, 0});
+      }
+    } else {
+      placement.rows.push_back({0, corners, seat.barycentric, rest, {}, 0, 0});
     }
+    const std::uint32_t component = mesh_.topology.vertex_component[corners[0]];
+    for (Row& row : placement.rows) {
+      row.offset = row.rest - rest;
+      row.compliance = handle.hard ? 0 : 1 / handle.weight;
+      row.component = component;
+    }
+    // A vertex answers with its own coordinates to the last bit.
+    const auto* on_vertex = std::get_if<VertexAnchor>(&handle.anchor);
+    const Complex shown = on_vertex ? mesh_.mesh.vertices[on_vertex->vertex]
+                                    : mesh_.origin + mesh_.report.diagonal * rest;
+    placement.placed = {handle, shown, seat.snapped * mesh_.report.diagonal, component};
+    return placement;
   }
-  return Fail(Fault(FaultKind::kHandleOutside,
-                    fmt::format("handle \"{}\" is on vertex {}, which belongs to no triangle",
-                                handle.id, anchor.vertex))
-                  .Field(fmt::format("handles[{}].vertex", index))
-                  .Element(static_cast<std::uint32_t>(index))
-                  .Detail("vertex", fmt::to_string(anchor.vertex)));
-}
 
-Result<Seat> SitOn(const RegisteredMeshParts& mesh, const TriangleAnchor& anchor,
-                   const Handle& handle, std::size_t index) {
-  const std::size_t count = mesh.mesh.triangles.size();
-  if (anchor.triangle >= count)
-    return OutOfRange("triangle", anchor.triangle, count, handle, index);
-  std::array<double, 3> b = anchor.barycentric;
-  double sum = 0;
-  bool good = true;
-  for (const double x : b) {
-    good = good && x >= -1e-6 && x <= 1 + 1e-6;
-    sum += x;
+ private:
+  // The seat on the first triangle of the vertex.
+  Result<Seat> SitOn(const VertexAnchor& anchor, const Handle& handle, std::size_t index) {
+    const std::uint32_t vertex = anchor.vertex;
+    const auto& triangles = mesh_.mesh.triangles;
+    if (vertex >= mesh_.rest.size()) {
+      return Fail(OutOfRange("vertex", vertex, mesh_.rest.size(), handle, index));
+    }
+    Seat seat;
+    seat.triangle = FirstTriangle(vertex);
+    if (seat.triangle == kNone) {
+      return Fail(Bad(FaultKind::kHandleOutside, fmt::format("handles[{}].vertex", index), index,
+                      fmt::format("Handle \"{}\" is on vertex {}, which belongs to no triangle.",
+                                  handle.id, vertex))
+                      .Detail("vertex", vertex));
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (triangles[seat.triangle][k] == vertex) seat.barycentric[k] = 1;
+    }
+    return seat;
   }
-  if (!good || !(std::abs(sum - 1) <= 1e-6)) {
-    return BadOption(
-        index, "triangle_point.barycentric",
-        fmt::format("handle \"{}\" has barycentric weights {} {} {}; each must be 0 to 1, "
-                    "their sum 1 ± 1e-6",
-                    handle.id, b[0], b[1], b[2]));
-  }
-  // Exactly 1, or a rigid motion far from the origin would not be exact.
-  for (double& x : b) x = x / sum;
-  if (mesh.turned[anchor.triangle]) std::swap(b[1], b[2]);
-  return Seat{anchor.triangle, b, 0};
-}
 
-Result<Seat> SitOn(const RegisteredMeshParts& mesh, const PointAnchor& anchor, const Handle& handle,
-                   std::size_t index) {
-  const Complex p = mesh.Normalise(anchor.position);
-  if (!std::isfinite(p.real()) || !std::isfinite(p.imag())) {
-    return BadOption(
-        index, "position",
-        fmt::format("handle \"{}\" has a position that is NaN or infinite", handle.id));
+  Result<Seat> SitOn(const TriangleAnchor& anchor, const Handle& handle, std::size_t index) {
+    const std::size_t count = mesh_.mesh.triangles.size();
+    if (anchor.triangle >= count) {
+      return Fail(OutOfRange("triangle", anchor.triangle, count, handle, index));
+    }
+    const std::string field = fmt::format("handles[{}].triangle_point.barycentric", index);
+    std::array<double, 3> b = anchor.barycentric;
+    double sum = 0;
+    for (const double x : b) {
+      // Written so that NaN fails too.
+      if (!(x >= -kBarycentricTolerance && x <= 1 + kBarycentricTolerance)) {
+        return Fail(Bad(FaultKind::kInvalidOption, field, index,
+                        fmt::format("{} has the weight {}, not between 0 and 1.", field, x))
+                        .Detail("value", x));
+      }
+      sum += x;
+    }
+    if (std::abs(sum - 1) > kBarycentricTolerance) {
+      return Fail(
+          Bad(FaultKind::kInvalidOption, field, index,
+              fmt::format("{} sums to {}, not to 1 within {}.", field, sum, kBarycentricTolerance))
+              .Detail("value", sum));
+    }
+    // Exactly 1, or a rigid motion far from the origin would not be exact.
+    for (double& x : b) x = x / sum;
+    if (mesh_.turned[anchor.triangle]) std::swap(b[1], b[2]);
+    return Seat{anchor.triangle, b, 0};
   }
-  if (const auto found = Locate(mesh.rest, mesh.mesh.triangles, p)) {
-    return Seat{found->triangle, found->barycentric, 0};
-  }
-  const Located near = NearestOnBoundary(mesh.rest, mesh.mesh.triangles, mesh.topology, p);
-  if (handle.outside == Outside::kSnap) {
-    return Seat{near.triangle, near.barycentric, near.distance};
-  }
-  const double distance = near.distance * mesh.report.diagonal;
-  return Fail(Fault(FaultKind::kHandleOutside,
-                    fmt::format("handle \"{}\" at ({}, {}) lies outside the mesh by {}", handle.id,
+
+  Result<Seat> SitOn(const PointAnchor& anchor, const Handle& handle, std::size_t index) {
+    CHECK_OK(CheckRange(anchor.position.real(), -kInfinity, kInfinity, index, "position.x"));
+    CHECK_OK(CheckRange(anchor.position.imag(), -kInfinity, kInfinity, index, "position.y"));
+    const std::string field = fmt::format("handles[{}].position", index);
+    const Complex p = mesh_.Normalise(anchor.position);
+    if (!std::isfinite(p.real()) || !std::isfinite(p.imag())) {
+      return Fail(Bad(FaultKind::kInvalidOption, field, index,
+                      fmt::format("{} is too far away for this mesh.", field)));
+    }
+    if (const auto found = Locate(mesh_.rest, mesh_.mesh.triangles, p)) {
+      return Seat{found->triangle, found->barycentric, 0};
+    }
+    const Located near = NearestOnBoundary(mesh_.rest, mesh_.mesh.triangles, mesh_.topology, p);
+    if (handle.outside == Outside::kSnap) {
+      return Seat{near.triangle, near.barycentric, near.distance};
+    }
+    const double distance = near.distance * mesh_.report.diagonal;
+    return Fail(Bad(FaultKind::kHandleOutside, field, index,
+                    fmt::format("Handle \"{}\" at ({}, {}) lies outside the mesh by {}.", handle.id,
                                 anchor.position.real(), anchor.position.imag(), distance))
-                  .Field(fmt::format("handles[{}].position", index))
-                  .Element(static_cast<std::uint32_t>(index))
-                  .Detail("distance", fmt::to_string(distance)));
-}
+                    .Detail("distance", distance));
+  }
 
-Row VertexRow(const RegisteredMeshParts& mesh, std::uint32_t vertex) {
-  return {0, {vertex, vertex, vertex}, {1, 0, 0}, mesh.rest[vertex], {}, 0, 0};
-}
-
-// The vertices that an oriented or area handle holds: those of its triangle, and those of its
-// component within the radius.
-std::vector<std::uint32_t> HeldVertices(const RegisteredMeshParts& mesh, std::uint32_t triangle,
-                                        Complex rest, double radius) {
-  const Triangle& t = mesh.mesh.triangles[triangle];
-  std::vector<std::uint32_t> held(t.begin(), t.end());
-  const std::uint32_t component = mesh.topology.vertex_component[t[0]];
-  if (radius > 0) {
-    for (std::uint32_t v = 0; v < mesh.rest.size(); ++v) {
-      if (mesh.topology.vertex_component[v] == component &&
-          std::abs(mesh.rest[v] - rest) <= radius) {
-        held.push_back(v);
+  // The lowest triangle of a vertex, or kNone.
+  std::uint32_t FirstTriangle(std::uint32_t vertex) {
+    const auto& triangles = mesh_.mesh.triangles;
+    if (first_triangle_.empty()) {
+      first_triangle_.assign(mesh_.rest.size(), kNone);
+      for (auto t = static_cast<std::uint32_t>(triangles.size()); t-- > 0;) {
+        for (const std::uint32_t v : triangles[t]) first_triangle_[v] = t;
       }
     }
+    return first_triangle_[vertex];
   }
-  std::sort(held.begin(), held.end());
-  held.erase(std::unique(held.begin(), held.end()), held.end());
-  return held;
-}
+
+  // The vertices that an oriented or area handle holds: those of its triangle, and those of its
+  // component within the radius.
+  std::vector<std::uint32_t> HeldVertices(std::uint32_t triangle, Complex rest,
+                                          double radius) const {
+    const Triangle& t = mesh_.mesh.triangles[triangle];
+    std::vector<std::uint32_t> held(t.begin(), t.end());
+    const std::uint32_t component = mesh_.topology.vertex_component[t[0]];
+    if (radius > 0) {
+      for (std::uint32_t v = 0; v < mesh_.rest.size(); ++v) {
+        if (mesh_.topology.vertex_component[v] == component &&
+            std::abs(mesh_.rest[v] - rest) <= radius) {
+          held.push_back(v);
+        }
+      }
+    }
+    std::sort(held.begin(), held.end());
+    held.erase(std::unique(held.begin(), held.end()), held.end());
+    return held;
+  }
+
+  const RegisteredMeshParts& mesh_;
+  std::vector<std::uint32_t> first_triangle_;  // #V, from the first handle on a vertex on
+};
 
 }  // namespace
 
-Result<Placement> PlaceHandle(const RegisteredMeshParts& mesh, const Handle& handle,
-                              std::size_t index) {
-  if (auto ok = CheckHandle(handle, index); !ok) return Fail(std::move(ok.error()));
-  auto seat =
-      std::visit([&](const auto& a) { return SitOn(mesh, a, handle, index); }, handle.anchor);
-  if (!seat) return Fail(std::move(seat.error()));
-
-  const Triangle& corners = mesh.mesh.triangles[seat->triangle];
-  Complex rest = 0;
-  for (std::size_t k = 0; k < 3; ++k) rest += seat->barycentric[k] * mesh.rest[corners[k]];
-
-  Placement placement;
-  if (handle.oriented || handle.area_radius > 0) {
-    const double radius = handle.area_radius / mesh.report.diagonal;
-    for (const std::uint32_t v : HeldVertices(mesh, seat->triangle, rest, radius)) {
-      placement.rows.push_back(VertexRow(mesh, v));
-    }
-  } else {
-    placement.rows.push_back({0, corners, seat->barycentric, rest, {}, 0, 0});
+Result<std::vector<Placement>> PlaceHandles(const RegisteredMeshParts& mesh,
+                                            std::span<const Handle> handles) {
+  Placer placer(mesh);
+  std::vector<Placement> placements;
+  placements.reserve(handles.size());
+  for (std::size_t i = 0; i < handles.size(); ++i) {
+    TRY(placements.emplace_back(), placer.Place(handles[i], i));
   }
-  const std::uint32_t component = mesh.topology.vertex_component[corners[0]];
-  for (Row& row : placement.rows) {
-    row.offset = row.rest - rest;
-    row.compliance = handle.hard ? 0 : 1 / handle.weight;
-    row.component = component;
-  }
-  // A vertex answers with its own coordinates to the last bit.
-  const auto* on_vertex = std::get_if<VertexAnchor>(&handle.anchor);
-  const Complex shown =
-      on_vertex ? mesh.mesh.vertices[on_vertex->vertex] : mesh.origin + mesh.report.diagonal * rest;
-  placement.placed = {handle, shown, seat->snapped * mesh.report.diagonal, component};
-  return placement;
+  return placements;
 }
 
 }  // namespace arap

@@ -1,8 +1,9 @@
-// Placing handles: from what the client says to constraint rows on the mesh [algorithm §5].
+// Placing handles: from what the client says to constraint rows on the mesh [algorithm §2].
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "arap/base/result.h"
@@ -27,9 +28,10 @@ struct Placement {
   std::vector<Row> rows;  // at least one; Row::handle is left 0
 };
 
-// Finds the handle on the mesh. `index` only serves the field path of a fault ("handles[index]…").
-// Faults: kInvalidName, kInvalidOption, kIndexOutOfRange, kHandleOutside (metadata "distance").
-Result<Placement> PlaceHandle(const RegisteredMeshParts& mesh, const Handle& handle,
-                              std::size_t index);
+// Finds the handles on the mesh, in their order. The first that is not acceptable is the fault,
+// with the field "handles[i]…" and its number: kInvalidOption, kIndexOutOfRange, kHandleOutside
+// (detail "distance"). O(#F) for those on vertices together and for every other one.
+Result<std::vector<Placement>> PlaceHandles(const RegisteredMeshParts& mesh,
+                                            std::span<const Handle> handles);
 
 }  // namespace arap

@@ -4,9 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/try.h"
 #include "core/deform/registered_parts.h"
 #include "core/energy/assemble.h"
-#include "core/energy/build_cells.h"
+#include "core/energy/cells.h"
+#include "core/mesh/plane.h"
+#include "core/mesh/validation.h"
 
 namespace arap {
 namespace {
@@ -82,17 +85,13 @@ Status Factorise(RegisteredMeshParts& parts, const CancelToken& cancel) {
   const auto rigid_matrix = AssembleRigid(parts.cells, fixed);
   for (const MeshComponent& c : parts.components) fixed[c.ground1] = true;
   const auto similarity_matrix = AssembleSimilarity(parts.cells, fixed);
-  if (auto ok = cancel.Check(); !ok) return ok;
+  CHECK_OK(cancel.Check());
 
-  auto similarity = Factor<Complex>::Make(similarity_matrix, FactorLayout::kPacked);
-  if (!similarity) return Fail(std::move(similarity.error()));
-  parts.similarity = std::move(*similarity);
-  if (auto ok = cancel.Check(); !ok) return ok;
+  TRY(parts.similarity, Factor<Complex>::Make(similarity_matrix, FactorLayout::kPacked));
+  CHECK_OK(cancel.Check());
 
   // The order of step 1 would serve, but leaves a third more numbers to read in every frame.
-  auto rigid = Factor<double>::Make(rigid_matrix, FactorLayout::kPacked);
-  if (!rigid) return Fail(std::move(rigid.error()));
-  parts.rigid = std::move(*rigid);
+  TRY(parts.rigid, Factor<double>::Make(rigid_matrix, FactorLayout::kPacked));
   return cancel.Check();
 }
 
@@ -104,22 +103,14 @@ void Report(std::vector<Warning> warnings, std::size_t clamped, RegisteredMeshPa
   report.components = parts.topology.components;
   report.boundary_loops = parts.topology.boundary_loops;
   for (const Triangle& t : parts.mesh.triangles) {
-    const Complex a = parts.rest[t[0]], b = parts.rest[t[1]], c = parts.rest[t[2]];
-    report.area += 0.5 * std::imag(std::conj(b - a) * (c - a));
+    report.area += 0.5 * TwiceArea(t, parts.rest);
   }
   report.area *= report.diagonal * report.diagonal;
   report.clamped_weights = clamped;
   report.warnings = std::move(warnings);
   if (clamped > 0) report.warnings.push_back(ClampedWarning(clamped));
-  if (!parts.topology.joints.empty()) {
-    const auto& joints = parts.topology.joints;
-    report.warnings.push_back(
-        {"joint_vertices",
-         joints.size(),
-         {joints.begin(), joints.begin() + static_cast<std::ptrdiff_t>(
-                                               std::min(joints.size(), Fault::kMaxElements))},
-         "parts of the mesh touch in a single vertex; they are welded there"});
-  }
+  AddWarning("joint_vertices", parts.topology.joints,
+             "parts of the mesh touch in a single vertex; they are welded there", report.warnings);
   report.bytes = parts.similarity->bytes() + parts.rigid->bytes() + parts.cells.bytes() +
                  parts.rest.size() * 2 * sizeof(Complex) +
                  parts.mesh.triangles.size() * 2 * sizeof(Triangle) +
@@ -137,9 +128,8 @@ Result<std::shared_ptr<const RegisteredMesh>> RegisteredMesh::Register(PlanarMes
                                                                        const MeshLimits& limits,
                                                                        const CancelToken& cancel) {
   const std::vector<Triangle> given = mesh.triangles;
-  auto warnings = ValidatePlanar(mesh, limits);
-  if (!warnings) return Fail(std::move(warnings.error()));
-  if (auto ok = cancel.Check(); !ok) return Fail(std::move(ok.error()));
+  TRY(auto warnings, ValidatePlanar(mesh, limits));
+  CHECK_OK(cancel.Check());
 
   auto parts = std::make_unique<RegisteredMeshParts>();
   parts->mesh = std::move(mesh);
@@ -154,12 +144,11 @@ Result<std::shared_ptr<const RegisteredMesh>> RegisteredMesh::Register(PlanarMes
     const Triangle& c = parts->mesh.triangles[t];
     return std::array<Complex, 3>{parts->rest[c[0]], parts->rest[c[1]], parts->rest[c[2]]};
   };
-  auto system = BuildCells(parts->mesh.triangles, parts->topology, options, frame, true);
-  if (!system) return Fail(std::move(system.error()));
-  parts->cells = std::move(system->cells);
+  TRY(CellSystem system, BuildCells(parts->mesh.triangles, parts->topology, options, frame, true));
+  parts->cells = std::move(system.cells);
   parts->stretch = StretchTable(parts->mesh, parts->rest);
-  if (auto ok = Factorise(*parts, cancel); !ok) return Fail(std::move(ok.error()));
-  Report(std::move(*warnings), system->clamped, *parts);
+  CHECK_OK(Factorise(*parts, cancel));
+  Report(std::move(warnings), system.clamped, *parts);
   return std::shared_ptr<const RegisteredMesh>(new RegisteredMesh(std::move(parts)));
 }
 

@@ -16,13 +16,14 @@ namespace arap {
 inline constexpr double kCoincident = 1e-9;
 
 struct MeshComponent {
-  Complex center;         // of its bounding box, normalised
-  std::uint32_t ground0;  // fixed in both steps: near the centre, where |Z| stays small
-  std::uint32_t ground1;  // fixed in step 1 too: a quarter of the component's diagonal away
+  Complex center;  // of its bounding box, normalised
+  // Fixed in both steps: near the centre, where |Z| stays small.
+  std::uint32_t ground0 = kNone;
+  // Fixed in step 1 too: a quarter of the component's diagonal away.
+  std::uint32_t ground1 = kNone;
 };
 
-class RegisteredMeshParts {
- public:
+struct RegisteredMeshParts {
   // Normalised = (input − origin) / diagonal: no result depends on the unit or the place.
   Complex Normalise(Complex p) const { return (p - origin) / report.diagonal; }
 
@@ -36,9 +37,9 @@ class RegisteredMeshParts {
   std::vector<MeshComponent> components;
   Cells cells;
   StretchTable stretch;
-  std::shared_ptr<const Factor<Complex>>
-      similarity;                               // step 1, two vertices of a component grounded
-  std::shared_ptr<const Factor<double>> rigid;  // step 2, one grounded
+  // Of step 1, two vertices of a component grounded, and of step 2, one grounded.
+  std::shared_ptr<const Factor<Complex>> similarity;
+  std::shared_ptr<const Factor<double>> rigid;
 };
 
 }  // namespace arap

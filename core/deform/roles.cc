@@ -9,32 +9,30 @@
 namespace arap {
 namespace {
 
-void DecideComponents(CompiledHandlesParts& parts) {
-  const std::size_t count = parts.mesh->parts().components.size();
+void DecideComponents(std::size_t count, std::span<const Row> rows, Roles& roles) {
   std::vector<const Row*> first(count, nullptr);
-  parts.roles.assign(count, ComponentRole::kResting);
-  for (const Row& row : parts.rows) {
+  roles.of.assign(count, ComponentRole::kResting);
+  for (const Row& row : rows) {
     const std::uint32_t c = row.component;
     if (first[c] == nullptr) {
       first[c] = &row;
-      parts.roles[c] = ComponentRole::kTranslating;
+      roles.of[c] = ComponentRole::kTranslating;
     } else if (std::abs(row.rest - first[c]->rest) > kCoincident) {
-      parts.roles[c] = ComponentRole::kActive;
+      roles.of[c] = ComponentRole::kActive;
     }
   }
-  parts.active_slot.assign(count, kNone);
-  parts.active_components = 0;
+  roles.active_slot.assign(count, kNone);
   for (std::size_t c = 0; c < count; ++c) {
-    if (parts.roles[c] != ComponentRole::kActive) continue;
-    parts.active_slot[c] = static_cast<std::uint32_t>(parts.active_components++);
+    if (roles.of[c] != ComponentRole::kActive) continue;
+    roles.active_slot[c] = static_cast<std::uint32_t>(roles.active_components++);
   }
 }
 
 // Gram-Schmidt over the hard rows, in order, keeping how each basis vector is made of rows.
 class HardRows {
  public:
-  explicit HardRows(const CompiledHandlesParts& parts) {
-    for (const Row& row : parts.rows) {
+  explicit HardRows(std::span<const Row> rows) : all_(rows) {
+    for (const Row& row : rows) {
       if (row.compliance > 0) continue;
       for (const std::uint32_t v : row.vertex) index_.emplace(v, 0);
     }
@@ -43,8 +41,8 @@ class HardRows {
   }
 
   // Adds the row if it is independent of those before; otherwise says which combination it is.
-  bool Add(const CompiledHandlesParts& parts, std::size_t r, DependentRow& dependent) {
-    const Row& row = parts.rows[r];
+  bool Add(std::size_t r, DependentRow& dependent) {
+    const Row& row = all_[r];
     Eigen::VectorXd x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(index_.size()));
     for (std::size_t k = 0; k < 3; ++k) x[index_.at(row.vertex[k])] += row.weight[k];
     const double norm = x.norm();
@@ -63,8 +61,9 @@ class HardRows {
       dependent.row = r;
       for (std::size_t b = 0; b < rows_.size(); ++b) {
         const double coefficient = -made[static_cast<Eigen::Index>(b)];
-        if (std::abs(coefficient) > kDependent)
+        if (std::abs(coefficient) > kDependent) {
           dependent.combination.emplace_back(rows_[b], coefficient);
+        }
       }
       return false;
     }
@@ -76,28 +75,28 @@ class HardRows {
 
  private:
   static constexpr double kDependent = 1e-8;
+  std::span<const Row> all_;
   std::map<std::uint32_t, int> index_;  // touched vertex → coordinate
-  std::vector<std::size_t> rows_;
+  std::vector<std::size_t> rows_;       // the independent ones
   std::vector<Eigen::VectorXd> basis_;
   std::vector<Eigen::VectorXd> combination_;  // basis[b] = Σ combination[b][j] · row rows_[j]
 };
 
 }  // namespace
 
-void DecideRoles(CompiledHandlesParts& parts) {
-  DecideComponents(parts);
-  parts.active_rows.clear();
-  parts.dependent.clear();
-  HardRows hard(parts);
-  for (std::size_t r = 0; r < parts.rows.size(); ++r) {
-    const Row& row = parts.rows[r];
+Roles DecideRoles(std::size_t components, std::span<const Row> rows) {
+  Roles roles;
+  DecideComponents(components, rows, roles);
+  HardRows hard(rows);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
     DependentRow dependent;
-    if (row.compliance == 0 && !hard.Add(parts, r, dependent)) {
-      parts.dependent.push_back(std::move(dependent));
-    } else if (parts.roles[row.component] == ComponentRole::kActive) {
-      parts.active_rows.push_back(r);
+    if (rows[r].compliance == 0 && !hard.Add(r, dependent)) {
+      roles.dependent.push_back(std::move(dependent));
+    } else if (roles.of[rows[r].component] == ComponentRole::kActive) {
+      roles.active_rows.push_back(r);
     }
   }
+  return roles;
 }
 
 }  // namespace arap

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/wide.h"
+#include "core/mesh/plane.h"
 
 namespace arap {
 namespace {
@@ -57,7 +58,7 @@ StretchTable::StretchTable(const PlanarMesh& mesh, const std::vector<Complex>& r
   }
   for (const Triangle& t : mesh.triangles) {
     const Complex e1 = rest[t[1]] - rest[t[0]], e2 = rest[t[2]] - rest[t[0]];
-    const double twice_area = std::imag(std::conj(e1) * e2);
+    const double twice_area = Cross(e1, e2);
     const Complex d(0, -2 * twice_area);  // e1 ē2 − ē1 e2
     const Complex a1 = std::conj(e2) / d, a2 = -std::conj(e1) / d;
     c.a1_x.push_back(a1.real());
@@ -91,9 +92,7 @@ StretchTable::Stretch StretchTable::Measure(const PlanarMesh& mesh,
 }
 
 bool IsFlipped(const Triangle& triangle, std::span<const Complex> positions) {
-  const Complex e1 = positions[triangle[1]] - positions[triangle[0]];
-  const Complex e2 = positions[triangle[2]] - positions[triangle[0]];
-  return e1.real() * e2.imag() - e1.imag() * e2.real() < 0;
+  return TwiceArea(triangle, positions) < 0;
 }
 
 }  // namespace arap

@@ -1,15 +1,39 @@
 #include "core/deform/target_rows.h"
 
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
+
+#include "core/base/try.h"
 
 namespace arap {
 namespace {
 
-bool IsFinite(const Target& t) {
+bool IsGood(const Target& t) {
   return std::isfinite(t.position.real()) && std::isfinite(t.position.imag()) &&
-         std::isfinite(t.angle) && std::isfinite(t.scale);
+         std::isfinite(t.angle) && t.scale >= 0 && t.scale <= Target::kMaxScale;
+}
+
+// Of the target of the handle with the number `h`, which is not good.
+Fault WhatIsWrong(const Target& t, std::size_t h, const std::string& id) {
+  const auto fault = [&](FaultKind kind, const char* part, double value, const std::string& what) {
+    const std::string field = fmt::format("targets[{}].{}", h, part);
+    return Fault(kind, fmt::format("{} of handle \"{}\" is {}.", field, id, what))
+        .Field(field)
+        .Element(static_cast<std::uint32_t>(h))
+        .Detail("handle_id", id)
+        .Detail("value", value);
+  };
+  using enum FaultKind;
+  for (const auto& [part, value] :
+       {std::pair("x", t.position.real()), std::pair("y", t.position.imag()),
+        std::pair("angle_radians", t.angle), std::pair("scale", t.scale)}) {
+    if (!std::isfinite(value)) return fault(kNonFiniteTarget, part, value, "not finite");
+  }
+  return fault(kInvalidOption, "scale", t.scale,
+               fmt::format("{}, not between 0 and {}", t.scale, Target::kMaxScale))
+      .Detail("limit", Target::kMaxScale);
 }
 
 }  // namespace
@@ -23,42 +47,28 @@ TargetRows::TargetRows(const CompiledHandlesParts& set)
     : set_(set),
       mesh_(set.mesh->parts()),
       targets_(set.rows.size()),
-      shift_(mesh_.components.size()) {}
+      shift_(mesh_.components.size()),
+      weights_(mesh_.components.size()),
+      hard_(mesh_.components.size()) {}
 
 Status TargetRows::Place(std::span<const Target> given) {
-  if (auto ok = Check(given); !ok) return ok;
+  CHECK_OK(Check(given));
   PlaceRows(given);
-  if (auto ok = CheckDependent(); !ok) return ok;
+  CHECK_OK(CheckDependent());
   PlaceTranslating();
   return {};
 }
 
 Status TargetRows::Check(std::span<const Target> given) const {
   if (given.size() != set_.handles.size()) {
-    Fault fault = Fault(FaultKind::kTargetCount,
-                        fmt::format("{} targets for {} handles", given.size(), set_.handles.size()))
-                      .Field("targets");
-    fault.Detail("count", fmt::to_string(given.size()))
-        .Detail("expected", fmt::to_string(set_.handles.size()));
-    return Fail(std::move(fault));
+    return Fail(Fault(FaultKind::kTargetCount, fmt::format("There are {} targets for {} handles.",
+                                                           given.size(), set_.handles.size()))
+                    .Field("targets")
+                    .Detail("count", given.size())
+                    .Detail("expected", set_.handles.size()));
   }
   for (std::size_t h = 0; h < given.size(); ++h) {
-    const std::string& id = set_.handles[h].handle.id;
-    if (!IsFinite(given[h])) {
-      return Fail(Fault(FaultKind::kNonFiniteTarget,
-                        fmt::format("the target of handle \"{}\" is NaN or infinite", id))
-                      .Field("targets")
-                      .Element(static_cast<std::uint32_t>(h))
-                      .Detail("handle", id));
-    }
-    if (given[h].scale < 0) {
-      return Fail(Fault(FaultKind::kInvalidOption,
-                        fmt::format("the scale of handle \"{}\" is {}; it must be at least 0", id,
-                                    given[h].scale))
-                      .Field("targets")
-                      .Element(static_cast<std::uint32_t>(h))
-                      .Detail("handle", id));
-    }
+    if (!IsGood(given[h])) return Fail(WhatIsWrong(given[h], h, set_.handles[h].handle.id));
   }
   return {};
 }
@@ -71,13 +81,14 @@ void TargetRows::PlaceRows(std::span<const Target> given) {
     targets_[r] += OffsetAt(target, row.offset);
   }
   middle_ = 0;
-  for (const std::size_t r : set_.active_rows) middle_ += targets_[r];
-  if (!set_.active_rows.empty()) middle_ /= static_cast<double>(set_.active_rows.size());
+  for (const std::size_t r : set_.roles.active_rows) middle_ += targets_[r];
+  if (!set_.roles.active_rows.empty())
+    middle_ /= static_cast<double>(set_.roles.active_rows.size());
   for (Complex& c : targets_) c -= middle_;
 }
 
 Status TargetRows::CheckDependent() const {
-  for (const DependentRow& dependent : set_.dependent) {
+  for (const DependentRow& dependent : set_.roles.dependent) {
     Complex expected = 0;
     double size = std::abs(targets_[dependent.row]) + 1;
     for (const auto& [row, coefficient] : dependent.combination) {
@@ -87,20 +98,21 @@ Status TargetRows::CheckDependent() const {
     const double gap = std::abs(expected - targets_[dependent.row]);
     if (gap <= kCoincident * size) continue;
     const std::uint32_t h = set_.rows[dependent.row].handle;
-    Fault fault = Fault(FaultKind::kConflictingHandles, "").Field("targets").Element(h);
+    Fault fault(FaultKind::kConflictingHandles, "");
+    fault.Element(h);
     std::string others;
     for (const auto& [row, coefficient] : dependent.combination) {
       const std::uint32_t other = set_.rows[row].handle;
       fault.Element(other);
       others += fmt::format("{}\"{}\"", others.empty() ? "" : ", ", set_.handles[other].handle.id);
     }
+    const double distance = gap * mesh_.report.diagonal;
     fault.message = fmt::format(
-        "hard handle \"{}\" cannot meet its target: {} decide its place, which is {} away; make "
+        "Hard handle \"{}\" cannot meet its target: {} decide its place, which is {} away; make "
         "one "
-        "of them soft",
-        set_.handles[h].handle.id, others, gap * mesh_.report.diagonal);
-    fault.Detail("distance", fmt::to_string(gap * mesh_.report.diagonal));
-    return Fail(std::move(fault));
+        "of them soft.",
+        set_.handles[h].handle.id, others, distance);
+    return Fail(std::move(fault).Field("targets").Detail("distance", distance));
   }
   return {};
 }
@@ -108,22 +120,25 @@ Status TargetRows::CheckDependent() const {
 // A component with one distinct point follows it: soft handles average by weight, hard ones decide.
 void TargetRows::PlaceTranslating() {
   for (std::size_t c = 0; c < shift_.size(); ++c) {
-    shift_[c] = 0;
-    if (set_.roles[c] != ComponentRole::kTranslating) continue;
-    double weights = 0;
-    bool hard = false;
-    for (std::size_t r = 0; r < set_.rows.size(); ++r) {
-      const Row& row = set_.rows[r];
-      if (row.component != c || (hard && row.compliance > 0)) continue;
-      if (row.compliance == 0 && !hard) {
-        hard = true;
-        shift_[c] = weights = 0;
-      }
-      const double weight = hard ? 1 : 1 / row.compliance;
-      shift_[c] += weight * (targets_[r] + middle_ - row.rest);
-      weights += weight;
+    shift_[c] = weights_[c] = 0;
+    hard_[c] = false;
+  }
+  for (std::size_t r = 0; r < set_.rows.size(); ++r) {
+    const Row& row = set_.rows[r];
+    const std::uint32_t c = row.component;
+    if (set_.roles.of[c] != ComponentRole::kTranslating) continue;
+    const bool hard = row.compliance == 0;
+    if (hard_[c] && !hard) continue;
+    if (hard && !hard_[c]) {
+      hard_[c] = true;
+      shift_[c] = weights_[c] = 0;
     }
-    shift_[c] /= weights;
+    const double weight = hard ? 1 : 1 / row.compliance;
+    shift_[c] += weight * (targets_[r] + middle_ - row.rest);
+    weights_[c] += weight;
+  }
+  for (std::size_t c = 0; c < shift_.size(); ++c) {
+    if (set_.roles.of[c] == ComponentRole::kTranslating) shift_[c] /= weights_[c];
   }
 }
 

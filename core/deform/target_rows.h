@@ -1,5 +1,4 @@
-// TargetRows: from one target per handle to one target per constraint row, with every check on the
-// way.
+// TargetRows: from one target per handle to one target per constraint row, all checked.
 #pragma once
 
 #include <span>
@@ -39,6 +38,8 @@ class TargetRows {
   const RegisteredMeshParts& mesh_;
   std::vector<Complex> targets_;  // per row
   std::vector<Complex> shift_;    // per component
+  std::vector<double> weights_;   // per component, of PlaceTranslating
+  std::vector<bool> hard_;        // per component: whether a hard row decides
   Complex middle_;
 };
 

@@ -1,4 +1,4 @@
-// The two step matrices of a set of cells, and what goes with them frame by frame [algorithm §3].
+// The two step matrices of a set of cells, and what goes with them frame by frame [algorithm §1].
 #pragma once
 
 #include <span>

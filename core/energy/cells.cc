@@ -1,5 +1,13 @@
 #include "core/energy/cells.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "core/base/try.h"
+
 namespace arap {
 namespace {
 
@@ -7,6 +15,191 @@ template <class... Columns>
 std::size_t BytesOf(const Columns&... columns) {
   return ((columns.capacity() * sizeof(columns[0])) + ...);
 }
+
+double Cotangent(Complex a, Complex b) {
+  const Complex z = std::conj(a) * b;
+  return z.real() / z.imag();
+}
+
+double Rigidity(const EnergyOptions& options, std::uint32_t triangle) {
+  return options.rigidity.empty() ? 1.0 : options.rigidity[triangle];
+}
+
+// The corner of `triangle` that holds `vertex`.
+std::size_t CornerOf(const Triangle& triangle, std::uint32_t vertex) {
+  return triangle[0] == vertex ? 0 : triangle[1] == vertex ? 1 : 2;
+}
+
+class Builder {
+ public:
+  Builder(const std::vector<Triangle>& triangles, const Topology& topology,
+          const EnergyOptions& options, const TriangleFrame& frame,
+          const std::vector<bool>& left_out)
+      : triangles_(triangles),
+        topology_(topology),
+        options_(options),
+        frame_(frame),
+        left_out_(left_out) {}
+
+  // One cell per directed edge, half weight each; or only from the lower to the higher vertex.
+  void AddEdgeCells(bool both) {
+    const std::vector<double> weights = EdgeWeights();
+    HingeTable& hinges = system_.cells.hinges;
+    hinges.both = both;
+    const auto first = [&](std::uint32_t e) { return topology_.edges[e].v0; };
+    for (const std::uint32_t e : ByComponent(topology_.edges.size(), first)) {
+      AddHinge(topology_.edges[e], both ? 0.5 * weights[e] : weights[e]);
+      Extend(hinges.runs, hinges.size(), first(e));
+    }
+  }
+
+  void AddFaceCells() {
+    FaceTable& faces = system_.cells.faces;
+    const auto first = [&](std::uint32_t t) { return triangles_[t][0]; };
+    for (const std::uint32_t t : ByComponent(triangles_.size(), first)) {
+      const auto p = frame_(t);
+      double w[3];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
+        double weight = 0.5;
+        if (LeftOut(t)) {
+          weight = 0.5 * kMinCotangent;
+        } else if (options_.weights == Weights::kCotangent) {
+          weight = 0.5 * Cotangent(p[i] - p[k], p[j] - p[k]);
+        }
+        w[k] = weight * Rigidity(options_, t);
+      }
+      faces.Add(triangles_[t], p[1] - p[0], p[2] - p[0], w);
+      Extend(faces.runs, faces.size(), first(t));
+    }
+  }
+
+  // One cell per vertex: its spokes, which each share with the cell at the other end.
+  void AddVertexCells() {
+    const std::vector<double> weights = EdgeWeights();
+    std::vector<std::vector<Spoke>> spokes(topology_.vertex_component.size());
+    for (std::size_t e = 0; e < topology_.edges.size(); ++e) {
+      const Edge& edge = topology_.edges[e];
+      const Complex rest = RestVector(edge);
+      spokes[edge.v0].push_back({edge.v0, edge.v1, rest, 0.5 * weights[e]});
+      spokes[edge.v1].push_back({edge.v1, edge.v0, -rest, 0.5 * weights[e]});
+    }
+    for (const auto& star : spokes) {
+      if (!star.empty()) AddStar(star);
+    }
+  }
+
+  void WeldJoints() {
+    for (const std::uint32_t joint : topology_.joints) {
+      std::vector<Spoke> spokes;
+      for (const Edge& edge : topology_.edges) {
+        const Complex rest = RestVector(edge);
+        if (edge.v0 == joint) spokes.push_back({edge.v0, edge.v1, rest, 0.5});
+        if (edge.v1 == joint) spokes.push_back({edge.v1, edge.v0, -rest, 0.5});
+      }
+      AddStar(spokes);
+    }
+  }
+
+  CellSystem Take() { return std::move(system_); }
+
+ private:
+  bool LeftOut(std::uint32_t t) const { return !left_out_.empty() && left_out_[t]; }
+
+  // The numbers below `count`, those of one component together, otherwise in order.
+  template <class VertexOf>
+  std::vector<std::uint32_t> ByComponent(std::size_t count, VertexOf vertex_of) const {
+    std::vector<std::uint32_t> order(count);
+    std::iota(order.begin(), order.end(), 0u);
+    if (topology_.components > 1) {
+      std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return topology_.vertex_component[vertex_of(a)] < topology_.vertex_component[vertex_of(b)];
+      });
+    }
+    return order;
+  }
+
+  // Counts the last cell of a table, which holds `vertex`, to the run of its component.
+  void Extend(std::vector<CellRun>& runs, std::size_t size, std::uint32_t vertex) const {
+    const std::uint32_t component = topology_.vertex_component[vertex];
+    if (runs.empty() || runs.back().component != component) {
+      runs.push_back({size - 1, size - 1, component});
+    }
+    runs.back().end = size;
+  }
+
+  void AddStar(const std::vector<Spoke>& star) {
+    StarTable& stars = system_.cells.stars;
+    stars.Add(star);
+    Extend(stars.runs, stars.size(), star.front().a);
+  }
+
+  // From v0 to v1 in the frame of the edge's first triangle.
+  Complex RestVector(const Edge& edge) const {
+    const Triangle& c = triangles_[edge.triangle[0]];
+    const auto p = frame_(edge.triangle[0]);
+    return p[CornerOf(c, edge.v1)] - p[CornerOf(c, edge.v0)];
+  }
+
+  // Weight of every edge [II09 §6]: 1, or half the cotangents of its opposite angles; times
+  // rigidity.
+  std::vector<double> EdgeWeights() {
+    std::vector<double> weights(topology_.edges.size(), 0.0);
+    for (std::size_t e = 0; e < weights.size(); ++e) {
+      const Edge& edge = topology_.edges[e];
+      const std::size_t sides = edge.boundary() ? 1 : 2;
+      double cotangents = 0, rigid_cotangents = 0, rigidity = 0;
+      for (std::size_t side = 0; side < sides; ++side) {
+        const std::uint32_t t = edge.triangle[side];
+        rigidity += Rigidity(options_, t) / static_cast<double>(sides);
+        if (options_.weights == Weights::kUniform || LeftOut(t)) continue;
+        const auto p = frame_(t);
+        const std::size_t k = CornerOf(triangles_[t], edge.opposite[side]);
+        const double cot = 0.5 * Cotangent(p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
+        cotangents += cot;
+        rigid_cotangents += cot * Rigidity(options_, t);
+      }
+      if (options_.weights == Weights::kUniform) {
+        weights[e] = rigidity;
+      } else if (cotangents < kMinCotangent) {
+        weights[e] = kMinCotangent * rigidity;
+        ++system_.clamped;
+      } else {
+        weights[e] = std::max(rigid_cotangents, kMinCotangent * rigidity);
+      }
+    }
+    return weights;
+  }
+
+  // The hinge of an edge: each triangle keeps its own side, the one its orientation says, and the
+  // second is laid against the edge of the first.
+  void AddHinge(const Edge& edge, double weight) {
+    const std::uint32_t i = edge.v0, j = edge.v1;
+    std::array<Complex, 2> opposite{0, 0};
+    Complex along = 0;
+    for (std::size_t side = 0; side < 2 && edge.triangle[side] != kNone; ++side) {
+      const Triangle& c = triangles_[edge.triangle[side]];
+      const auto p = frame_(edge.triangle[side]);
+      const std::size_t ci = CornerOf(c, i);
+      const Complex ij = p[CornerOf(c, j)] - p[ci];
+      opposite[side] = p[CornerOf(c, edge.opposite[side])] - p[ci];
+      if (side == 0) {
+        along = ij;
+      } else {
+        opposite[side] *= along * std::conj(ij) / std::norm(ij);
+      }
+    }
+    system_.cells.hinges.Add(i, j, edge.opposite[0], edge.boundary() ? i : edge.opposite[1], along,
+                             opposite[0], opposite[1], weight);
+  }
+
+  const std::vector<Triangle>& triangles_;
+  const Topology& topology_;
+  const EnergyOptions& options_;
+  const TriangleFrame& frame_;
+  const std::vector<bool>& left_out_;
+  CellSystem system_;
+};
 
 }  // namespace
 
@@ -56,6 +249,69 @@ std::size_t Cells::bytes() const {
          BytesOf(f.v0, f.v1, f.v2, f.e1_x, f.e1_y, f.e2_x, f.e2_y, f.weight0, f.weight1, f.weight2,
                  f.runs) +
          BytesOf(s.begin, s.spokes, s.size_of, s.runs);
+}
+
+Warning ClampedWarning(std::size_t edges) {
+  return {
+      "clamped_weights",
+      edges,
+      {},
+      fmt::format("{} edges have a cotangent weight too small or negative for this basis; it was "
+                  "raised",
+                  edges)};
+}
+
+Status CheckEnergyOptions(const EnergyOptions& options, std::size_t triangles) {
+  const auto& rigidity = options.rigidity;
+  if (rigidity.empty()) return {};
+  if (rigidity.size() != triangles) {
+    return Fail(Fault(FaultKind::kArrayLength,
+                      fmt::format("energy.rigidity has {} numbers for {} triangles.",
+                                  rigidity.size(), triangles))
+                    .Field("energy.rigidity")
+                    .Detail("length", rigidity.size())
+                    .Detail("expected", triangles));
+  }
+  for (std::uint32_t t = 0; t < rigidity.size(); ++t) {
+    if (rigidity[t] > 0 && rigidity[t] <= kMaxRigidity) continue;
+    return Fail(
+        Fault(FaultKind::kInvalidOption,
+              fmt::format("The rigidity of triangle {} is {}; it must be above 0 and at most {}.",
+                          t, rigidity[t], kMaxRigidity))
+            .Field("energy.rigidity")
+            .Element(t)
+            .Detail("value", rigidity[t])
+            .Detail("limit", kMaxRigidity));
+  }
+  return {};
+}
+
+Result<CellSystem> BuildCells(const std::vector<Triangle>& triangles, const Topology& topology,
+                              const EnergyOptions& options, const TriangleFrame& frame, bool planar,
+                              const std::vector<bool>& left_out) {
+  CHECK_OK(CheckEnergyOptions(options, triangles.size()));
+  if (options.basis == Basis::kVertex && !planar) {
+    return Fail(Fault(FaultKind::kInvalidOption,
+                      "VERTEX cells are for planar meshes; a surface takes EDGE or FACE cells.")
+                    .Field("energy.basis"));
+  }
+  Builder builder(triangles, topology, options, frame, left_out);
+  switch (options.basis) {
+    case Basis::kEdge:
+      builder.AddEdgeCells(true);
+      break;
+    case Basis::kEdgeAsPublished:
+      builder.AddEdgeCells(false);
+      break;
+    case Basis::kFace:
+      builder.AddFaceCells();
+      break;
+    case Basis::kVertex:
+      builder.AddVertexCells();
+      break;
+  }
+  if (planar && options.basis != Basis::kVertex) builder.WeldJoints();
+  return builder.Take();
 }
 
 }  // namespace arap

@@ -1,4 +1,4 @@
-// Cells: the pieces of a mesh that have one best similarity each [algorithm §3].
+// Cells: the pieces of a mesh that have one best similarity each [algorithm §1, II09 §4.2, §7].
 //
 // Every cell has fit edges, which decide its similarity t, and energy edges, which are compared
 // with it. Rest vectors are in the cell's own frame, so that cells of a planar mesh and hinges of a
@@ -6,12 +6,17 @@
 // numbers: what the local step reads, it reads once and in order.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
+#include "arap/base/result.h"
+#include "arap/model/energy.h"
 #include "arap/model/mesh.h"
+#include "core/mesh/topology.h"
 
 namespace arap {
 
@@ -75,5 +80,33 @@ struct Cells {
 
   std::size_t bytes() const;
 };
+
+// A triangle laid flat: its corners in its own frame, counter-clockwise.
+using TriangleFrame = std::function<std::array<Complex, 3>(std::uint32_t triangle)>;
+
+struct CellSystem {
+  Cells cells;
+  std::size_t clamped = 0;  // edges whose cotangent was raised to kMinCotangent
+};
+
+// The warning "clamped_weights" of so many edges.
+Warning ClampedWarning(std::size_t edges);
+
+// Rigidity must be empty or one number in (0, kMaxRigidity] per triangle: kArrayLength,
+// kInvalidOption.
+Status CheckEnergyOptions(const EnergyOptions& options, std::size_t triangles);
+
+// Builds the cells. `frame` gives each triangle's shape; for EDGE cells the two triangles of a
+// hinge are unfolded about their edge, one on each side, as their orientation says. VERTEX cells
+// need one common frame (planar meshes); asking for them on a surface is kInvalidOption.
+//
+// Triangles in `left_out` (#F or empty) count next to nothing: their cotangents are replaced by
+// kMinCotangent, so that a vertex that has no other triangle still has a place.
+//
+// Pieces that meet only in a joint vertex are welded there by one extra cell, the spokes of the
+// joint: without it nothing would fix how they turn against each other.
+Result<CellSystem> BuildCells(const std::vector<Triangle>& triangles, const Topology& topology,
+                              const EnergyOptions& options, const TriangleFrame& frame, bool planar,
+                              const std::vector<bool>& left_out = {});
 
 }  // namespace arap

@@ -3,10 +3,169 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/energy/local_kernels.h"
+#include "core/base/wide.h"
 
 namespace arap {
 namespace {
+
+// The rotation of a similarity s = t·size, minus `mean`.
+ARAP_WIDE_BODY void Turn(double sx, double sy, double size, Complex mean, Complex fallback,
+                         double& x, double& y) {
+  const double length = std::sqrt(sx * sx + sy * sy);
+  const bool turns = length > kNoDirection * size;
+  const double inverse = 1 / (turns ? length : 1);
+  x = (turns ? sx * inverse : fallback.real()) - mean.real();
+  y = (turns ? sy * inverse : fallback.imag()) - mean.imag();
+}
+
+// The two rotations of a hinge, minus `mean`; the second is that of j→i, 0 when there is none.
+struct HingeTurn {
+  double x1, y1, x2, y2, along_x, along_y, edge_x, edge_y;
+};
+
+template <bool kBoth>
+ARAP_WIDE_BODY HingeTurn TurnHinge(const HingeTable& table, std::size_t k, ConstShapeView v,
+                                   Complex mean, Complex fallback) {
+  const std::int32_t i = table.i[k], j = table.j[k], l = table.left[k], r = table.right[k];
+  const double ax = table.along_x[k], ay = table.along_y[k];
+  const double lx = table.left_x[k], ly = table.left_y[k];
+  const double rx = table.right_x[k], ry = table.right_y[k];
+  const double px = v.x[i], py = v.y[i];
+  const double jx = v.x[j] - px, jy = v.y[j] - py;
+  const double dlx = v.x[l] - px, dly = v.y[l] - py;
+  const double drx = v.x[r] - px, dry = v.y[r] - py;
+  HingeTurn turn{0, 0, 0, 0, ax, ay, jx, jy};
+  // Σ conj(rest) d over the edges from i.
+  const double own_x = ax * jx + ay * jy, own_y = ax * jy - ay * jx;
+  const double own_size = ax * ax + ay * ay;
+  Turn(own_x + (lx * dlx + ly * dly) + (rx * drx + ry * dry),
+       own_y + (lx * dly - ly * dlx) + (rx * dry - ry * drx),
+       own_size + (lx * lx + ly * ly) + (rx * rx + ry * ry), mean, fallback, turn.x1, turn.y1);
+  if constexpr (kBoth) {
+    // Over those from j, where a boundary has no right vertex.
+    const double there = r == i ? 0 : 1;
+    const double mx = lx - ax, my = ly - ay, elx = dlx - jx, ely = dly - jy;
+    const double nx = there * (rx - ax), ny = there * (ry - ay), erx = drx - jx, ery = dry - jy;
+    Turn(own_x + (mx * elx + my * ely) + (nx * erx + ny * ery),
+         own_y + (mx * ely - my * elx) + (nx * ery - ny * erx),
+         own_size + (mx * mx + my * my) + (nx * nx + ny * ny), mean, fallback, turn.x2, turn.y2);
+  }
+  return turn;
+}
+
+template <bool kBoth>
+ARAP_WIDE_BODY void HingeForcesOf(const HingeTable& table, std::size_t begin, std::size_t count,
+                                  ConstShapeView v, Complex mean, Complex fallback, KernelColumn& x,
+                                  KernelColumn& y) {
+#pragma GCC ivdep
+  for (std::size_t k = 0; k < count; ++k) {
+    const HingeTurn t = TurnHinge<kBoth>(table, begin + k, v, mean, fallback);
+    const double w = table.weight[begin + k];
+    const double c = w * (t.x1 + t.x2), s = w * (t.y1 + t.y2);
+    x[k] = c * t.along_x - s * t.along_y;
+    y[k] = c * t.along_y + s * t.along_x;
+  }
+}
+
+ARAP_WIDE_BODY void HingeForces(const HingeTable& table, std::size_t begin, std::size_t count,
+                                ConstShapeView v, Complex mean, Complex fallback, KernelColumn& x,
+                                KernelColumn& y) {
+  if (table.both) {
+    HingeForcesOf<true>(table, begin, count, v, mean, fallback, x, y);
+  } else {
+    HingeForcesOf<false>(table, begin, count, v, mean, fallback, x, y);
+  }
+}
+
+// |d − t e|²
+ARAP_WIDE_BODY double Residual(double dx, double dy, double tx, double ty, double ex, double ey) {
+  const double x = dx - (tx * ex - ty * ey), y = dy - (tx * ey + ty * ex);
+  return x * x + y * y;
+}
+
+template <bool kBoth>
+ARAP_WIDE_BODY void HingeEnergiesOf(const HingeTable& table, std::size_t begin, std::size_t count,
+                                    ConstShapeView v, KernelColumn& energy) {
+#pragma GCC ivdep
+  for (std::size_t k = 0; k < count; ++k) {
+    const HingeTurn t = TurnHinge<kBoth>(table, begin + k, v, 0, 1);
+    double sum = Residual(t.edge_x, t.edge_y, t.x1, t.y1, t.along_x, t.along_y);
+    if constexpr (kBoth) {
+      sum += Residual(t.edge_x, t.edge_y, t.x2, t.y2, t.along_x, t.along_y);
+    }
+    energy[k] = table.weight[begin + k] * sum;
+  }
+}
+
+ARAP_WIDE_BODY void HingeEnergies(const HingeTable& table, std::size_t begin, std::size_t count,
+                                  ConstShapeView v, KernelColumn& energy) {
+  if (table.both) {
+    HingeEnergiesOf<true>(table, begin, count, v, energy);
+  } else {
+    HingeEnergiesOf<false>(table, begin, count, v, energy);
+  }
+}
+
+struct FaceTurn {
+  double x, y, ax, ay, bx, by, dax, day, dbx, dby;  // t̂ − mean, rest edges, deformed edges
+};
+
+ARAP_WIDE_BODY FaceTurn TurnFace(const FaceTable& table, std::size_t k, ConstShapeView v,
+                                 Complex mean, Complex fallback) {
+  const std::int32_t i = table.v0[k], j = table.v1[k], l = table.v2[k];
+  const double ax = table.e1_x[k], ay = table.e1_y[k], bx = table.e2_x[k], by = table.e2_y[k];
+  const double w0 = table.weight0[k], w1 = table.weight1[k], w2 = table.weight2[k];
+  const double cx = bx - ax, cy = by - ay;
+  const double px = v.x[i], py = v.y[i];
+  const double dax = v.x[j] - px, day = v.y[j] - py, dbx = v.x[l] - px, dby = v.y[l] - py;
+  const double dcx = dbx - dax, dcy = dby - day;
+  FaceTurn turn{0, 0, ax, ay, bx, by, dax, day, dbx, dby};
+  Turn(w2 * (ax * dax + ay * day) + w1 * (bx * dbx + by * dby) + w0 * (cx * dcx + cy * dcy),
+       w2 * (ax * day - ay * dax) + w1 * (bx * dby - by * dbx) + w0 * (cx * dcy - cy * dcx),
+       w2 * (ax * ax + ay * ay) + w1 * (bx * bx + by * by) + w0 * (cx * cx + cy * cy), mean,
+       fallback, turn.x, turn.y);
+  return turn;
+}
+
+ARAP_WIDE_BODY void FaceTurns(const FaceTable& table, std::size_t begin, std::size_t count,
+                              ConstShapeView v, Complex mean, Complex fallback, KernelColumn& x,
+                              KernelColumn& y) {
+#pragma GCC ivdep
+  for (std::size_t k = 0; k < count; ++k) {
+    const FaceTurn t = TurnFace(table, begin + k, v, mean, fallback);
+    x[k] = t.x;
+    y[k] = t.y;
+  }
+}
+
+ARAP_WIDE_BODY void FaceEnergies(const FaceTable& table, std::size_t begin, std::size_t count,
+                                 ConstShapeView v, KernelColumn& energy) {
+#pragma GCC ivdep
+  for (std::size_t k = 0; k < count; ++k) {
+    const FaceTurn t = TurnFace(table, begin + k, v, 0, 1);
+    energy[k] = table.weight2[begin + k] * Residual(t.dax, t.day, t.x, t.y, t.ax, t.ay) +
+                table.weight1[begin + k] * Residual(t.dbx, t.dby, t.x, t.y, t.bx, t.by) +
+                table.weight0[begin + k] *
+                    Residual(t.dbx - t.dax, t.dby - t.day, t.x, t.y, t.bx - t.ax, t.by - t.ay);
+  }
+}
+
+ARAP_WIDE(HingeForces, HingeForcesWide,
+          (const HingeTable& table, std::size_t begin, std::size_t count, ConstShapeView v,
+           Complex mean, Complex fallback, KernelColumn& x, KernelColumn& y),
+          (table, begin, count, v, mean, fallback, x, y))
+ARAP_WIDE(HingeEnergies, HingeEnergiesWide,
+          (const HingeTable& table, std::size_t begin, std::size_t count, ConstShapeView v,
+           KernelColumn& energy),
+          (table, begin, count, v, energy))
+ARAP_WIDE(FaceTurns, FaceTurnsWide,
+          (const FaceTable& table, std::size_t begin, std::size_t count, ConstShapeView v,
+           Complex mean, Complex fallback, KernelColumn& x, KernelColumn& y),
+          (table, begin, count, v, mean, fallback, x, y))
+ARAP_WIDE(FaceEnergies, FaceEnergiesWide,
+          (const FaceTable& table, std::size_t begin, std::size_t count, ConstShapeView v,
+           KernelColumn& energy),
+          (table, begin, count, v, energy))
 
 Complex FallbackFor(Complex mean) { return mean == 0.0 ? 1.0 : mean; }
 
@@ -110,6 +269,17 @@ double StarEnergy(const StarTable& table, ConstShapeView v) {
 }
 
 }  // namespace
+
+const LocalKernels& PlainKernels() {
+  static constexpr LocalKernels kPlain{HingeForces, HingeEnergies, FaceTurns, FaceEnergies};
+  return kPlain;
+}
+
+const LocalKernels& Kernels() {
+  static constexpr LocalKernels kWide{HingeForcesWide, HingeEnergiesWide, FaceTurnsWide,
+                                      FaceEnergiesWide};
+  return HasWide() ? kWide : PlainKernels();
+}
 
 void AddRotatedEdges(const Cells& cells, ConstShapeView v, std::span<const Complex> mean,
                      ShapeView f) {

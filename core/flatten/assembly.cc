@@ -8,7 +8,7 @@
 
 #include "arap/core/flattener.h"
 #include "core/base/try.h"
-#include "core/energy/build_cells.h"
+#include "core/energy/cells.h"
 #include "core/flatten/distortion.h"
 #include "core/flatten/injective/upright.h"
 #include "core/flatten/sheet/overlap.h"

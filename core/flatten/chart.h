@@ -7,7 +7,7 @@
 
 #include "arap/model/mesh.h"
 #include "core/cut/cut_surface.h"
-#include "core/energy/build_cells.h"
+#include "core/energy/cells.h"
 #include "core/mesh/topology.h"
 
 namespace arap {

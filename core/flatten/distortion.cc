@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/mesh/plane.h"
 #include "core/mesh/space.h"
 
 namespace arap {
@@ -11,9 +12,7 @@ namespace {
 
 constexpr double kCap = 1e30;
 
-double Angle(Complex a, Complex b) {
-  return std::abs(std::atan2(std::imag(std::conj(a) * b), std::real(std::conj(a) * b)));
-}
+double Angle(Complex a, Complex b) { return std::abs(std::atan2(Cross(a, b), Dot(a, b))); }
 
 // Largest change of a corner angle, radians.
 double AngleChange(const std::array<Complex, 3>& rest, const std::array<Complex, 3>& image) {
@@ -34,7 +33,7 @@ std::array<double, 2> SingularValues(const std::array<Complex, 3>& rest,
   // The map is z ↦ αz + βz̄; its singular values are |α| ± |β|.
   const Complex e1 = rest[1] - rest[0], e2 = rest[2] - rest[0];
   const Complex f1 = image[1] - image[0], f2 = image[2] - image[0];
-  const Complex d(0, -2 * std::imag(std::conj(e1) * e2));
+  const Complex d(0, -2 * Cross(e1, e2));
   const Complex alpha = (f1 * std::conj(e2) - f2 * std::conj(e1)) / d;
   const Complex beta = (e1 * f2 - e2 * f1) / d;
   return {std::abs(alpha) + std::abs(beta), std::abs(alpha) - std::abs(beta)};

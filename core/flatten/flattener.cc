@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "core/base/timer.h"
+#include "core/base/cpu_timer.h"
 #include "core/base/try.h"
 #include "core/cut/cut_surface.h"
-#include "core/energy/build_cells.h"
+#include "core/energy/cells.h"
 #include "core/flatten/assembly.h"
 #include "core/flatten/chart.h"
 #include "core/flatten/chart_layout.h"
@@ -104,7 +104,7 @@ EnergyOptions EnergyOf(const Chart& chart, const EnergyOptions& energy) {
 Result<Flattening> FlattenPrepared(const PreparedSurfaceParts& surface,
                                    const FlattenOptions& options, const CancelToken& cancel,
                                    PinSolver solver) {
-  Stopwatch watch;
+  CpuTimer timer;
   CHECK_OK(CheckFlattenOptions(options, surface.surface.mesh.triangles.size()));
   TRY(const auto wishes,
       FindWishes(surface.charts, surface.surface.source, surface.input_vertices, options, cancel));
@@ -117,7 +117,7 @@ Result<Flattening> FlattenPrepared(const PreparedSurfaceParts& surface,
     assembly.Add(chart, std::move(layout));
   }
   TRY(auto flat, assembly.Finish(wishes, options.injective, cancel));
-  flat.times.solve = watch.Lap() - flat.times.order - flat.times.factor;
+  flat.times.solve = timer.Lap() - flat.times.order - flat.times.factor;
   return flat;
 }
 
@@ -194,12 +194,12 @@ Result<Flattening> Flatten(const PreparedSurface& surface, const FlattenOptions&
 Result<Flattening> Flatten(SurfaceMesh mesh, const FlattenOptions& options,
                            const MeshLimits& limits, const CancelToken& cancel, PinSolver solver) {
   CHECK_OK(CheckFlattenOptions(options, mesh.triangles.size()));
-  Stopwatch watch;
+  CpuTimer timer;
   const std::size_t vertices = mesh.vertices.size();
   TRY(auto surface, CutToCharts(std::move(mesh), options.cut, limits, cancel));
   // This surface is not flattened again: no factor is kept.
   const PreparedSurfaceParts prepared(std::move(surface), vertices, 0);
-  const double topology = watch.Lap();
+  const double topology = timer.Lap();
   TRY(auto flat, FlattenPrepared(prepared, options, cancel, solver));
   flat.times.topology = topology;
   return flat;

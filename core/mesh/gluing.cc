@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "core/base/try.h"
+
 namespace arap {
 namespace {
 
@@ -25,7 +27,7 @@ class Orienter {
       while (!queue_.empty() || CrossACut()) {
         const std::uint32_t t = queue_.back();
         queue_.pop_back();
-        if (auto ok = Visit(t); !ok) return Fail(std::move(ok.error()));
+        CHECK_OK(Visit(t));
       }
     }
     return std::move(turned_);
@@ -54,8 +56,8 @@ class Orienter {
         Reach(side, mate);
       } else if (Against(side, mate)) {
         return Fail(Fault(FaultKind::kNotOrientable,
-                          fmt::format("triangles {} and {} cannot be oriented alike: the surface "
-                                      "has one side only",
+                          fmt::format("Triangles {} and {} cannot be oriented alike: the surface "
+                                      "has one side only.",
                                       t, mate / 3))
                         .Field("mesh.triangles")
                         .Elements({t, mate / 3}));

@@ -7,12 +7,11 @@
 
 #include "arap/base/result.h"
 #include "arap/model/mesh.h"
-#include "core/mesh/sides.h"
 #include "core/mesh/topology.h"
 
 namespace arap {
 
-// Sides are numbered as in sides.h.
+// Sides are numbered as in topology.h.
 struct Gluing {
   std::vector<std::uint32_t> mate;  // 3·#F: the other side of the edge; kNone unless it has two
   std::vector<bool> cut;            // 3·#F: taken apart from its mate; the same on both sides

@@ -13,6 +13,11 @@ inline Eigen::Map<const Eigen::Vector3d> Vec(const Point3& point) {
   return Eigen::Map<const Eigen::Vector3d>(point.data());
 }
 
+// Twice the area of a triangle, never negative.
+inline double TwiceArea(const Point3& a, const Point3& b, const Point3& c) {
+  return (Vec(b) - Vec(a)).cross(Vec(c) - Vec(a)).norm();
+}
+
 inline Point3 ToPoint3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 }  // namespace arap

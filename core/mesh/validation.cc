@@ -6,29 +6,33 @@
 
 #include <fmt/format.h>
 
+#include "core/base/try.h"
 #include "core/mesh/gluing.h"
+#include "core/mesh/plane.h"
 #include "core/mesh/space.h"
 
 namespace arap {
 namespace {
 
+Status CheckCount(const char* field, std::size_t count, const char* quota, std::size_t limit) {
+  if (count <= limit) return {};
+  return Fail(Fault(FaultKind::kMeshTooLarge, fmt::format("{} has {} elements, more than {} of {}.",
+                                                          field, count, quota, limit))
+                  .Field(field)
+                  .Detail("count", count)
+                  .Detail("quota", quota)
+                  .Detail("limit", limit));
+}
+
 Status CheckSize(std::size_t vertices, std::size_t triangles, const MeshLimits& limits) {
   if (vertices == 0 || triangles == 0) {
     return Fail(Fault(FaultKind::kEmptyMesh,
-                      fmt::format("the mesh has {} vertices and {} triangles; it needs both",
+                      fmt::format("The mesh has {} vertices and {} triangles; it needs both.",
                                   vertices, triangles))
                     .Field(vertices == 0 ? "mesh.vertices" : "mesh.triangles"));
   }
-  const auto check = [](const char* what, std::size_t count, std::size_t limit) -> Status {
-    if (count <= limit) return {};
-    Fault fault = Fault(FaultKind::kMeshTooLarge,
-                        fmt::format("the mesh has {} {}; the limit is {}", count, what, limit))
-                      .Field(fmt::format("mesh.{}", what));
-    fault.Detail("count", fmt::to_string(count)).Detail("limit", fmt::to_string(limit));
-    return Fail(std::move(fault));
-  };
-  if (auto ok = check("vertices", vertices, limits.max_vertices); !ok) return ok;
-  return check("triangles", triangles, limits.max_triangles);
+  CHECK_OK(CheckCount("mesh.vertices", vertices, "max_vertices", limits.max_vertices));
+  return CheckCount("mesh.triangles", triangles, "max_triangles", limits.max_triangles);
 }
 
 // False for NaN too.
@@ -55,7 +59,7 @@ Status CheckFinite(const std::vector<Point>& points) {
   }
   if (count == 0) return {};
   fault.message =
-      fmt::format("vertex {} has a coordinate that is {} ({} in all)", fault.elements.front(),
+      fmt::format("Vertex {} has a coordinate that is {} ({} in all).", fault.elements.front(),
                   NotFinite(points[fault.elements.front()]), count);
   return Fail(std::move(fault));
 }
@@ -65,18 +69,18 @@ Status CheckIndices(std::size_t vertices, const std::vector<Triangle>& triangles
     const Triangle& c = triangles[t];
     for (const std::uint32_t v : c) {
       if (v < vertices) continue;
-      Fault fault = Fault(FaultKind::kIndexOutOfRange,
-                          fmt::format("triangle {} names vertex {}, but the mesh has {} vertices",
-                                      t, v, vertices))
-                        .Field("mesh.triangles")
-                        .Element(t);
-      fault.Detail("vertex", fmt::to_string(v)).Detail("vertices", fmt::to_string(vertices));
-      return Fail(std::move(fault));
+      return Fail(Fault(FaultKind::kIndexOutOfRange,
+                        fmt::format("Triangle {} names vertex {}, but the mesh has {} vertices.", t,
+                                    v, vertices))
+                      .Field("mesh.triangles")
+                      .Element(t)
+                      .Detail("vertex", v)
+                      .Detail("vertices", vertices));
     }
     if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) {
       return Fail(
           Fault(FaultKind::kRepeatedIndex,
-                fmt::format("triangle {} names a vertex twice: {} {} {}", t, c[0], c[1], c[2]))
+                fmt::format("Triangle {} names a vertex twice: {} {} {}.", t, c[0], c[1], c[2]))
               .Field("mesh.triangles")
               .Element(t));
     }
@@ -94,20 +98,13 @@ Status CheckManifold(std::span<const Side> sides) {
 
 template <class Mesh>
 Status CheckBasics(const Mesh& mesh, const MeshLimits& limits) {
-  if (auto ok = CheckSize(mesh.vertices.size(), mesh.triangles.size(), limits); !ok) return ok;
-  if (auto ok = CheckFinite(mesh.vertices); !ok) return ok;
+  CHECK_OK(CheckSize(mesh.vertices.size(), mesh.triangles.size(), limits));
+  CHECK_OK(CheckFinite(mesh.vertices));
   return CheckIndices(mesh.vertices.size(), mesh.triangles);
 }
 
 double Distance(const Complex& a, const Complex& b) { return std::abs(a - b); }
 double Distance(const Point3& a, const Point3& b) { return (Vec(a) - Vec(b)).norm(); }
-
-double TwiceArea(const Complex& a, const Complex& b, const Complex& c) {
-  return std::imag(std::conj(b - a) * (c - a));
-}
-double TwiceArea(const Point3& a, const Point3& b, const Point3& c) {
-  return (Vec(b) - Vec(a)).cross(Vec(c) - Vec(a)).norm();
-}
 
 double Diagonal(const std::vector<Complex>& points, const std::vector<Triangle>& triangles) {
   constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -151,10 +148,10 @@ std::vector<std::uint32_t> Degenerate(const std::vector<Point>& points,
 
 template <class Mesh>
 Status CheckAll(const Mesh& mesh, const MeshLimits& limits, std::vector<Side>& sides) {
-  if (auto ok = CheckBasics(mesh, limits); !ok) return ok;
+  CHECK_OK(CheckBasics(mesh, limits));
   sides = SortedSides(mesh.vertices.size(), mesh.triangles);
-  if (auto ok = CheckDuplicates(mesh.triangles, sides); !ok) return ok;
-  if (auto ok = CheckManifold(sides); !ok) return ok;
+  CHECK_OK(CheckDuplicates(mesh.triangles, sides));
+  CHECK_OK(CheckManifold(sides));
   const auto degenerate = Degenerate(mesh.vertices, mesh.triangles);
   if (!degenerate.empty()) return Fail(DegenerateFault(degenerate));
   return {};
@@ -181,7 +178,7 @@ Status CheckDuplicates(std::span<const Triangle> triangles, std::span<const Side
       if (opposite(sorted[i]) != opposite(sorted[i - 1])) continue;
       const std::uint32_t a = sorted[i - 1].triangle(), b = sorted[i].triangle();
       status = Fail(Fault(FaultKind::kDuplicateTriangle,
-                          fmt::format("triangles {} and {} have the same vertices", a, b))
+                          fmt::format("Triangles {} and {} have the same vertices.", a, b))
                         .Field("mesh.triangles")
                         .Elements({a, b}));
       return;
@@ -191,14 +188,13 @@ Status CheckDuplicates(std::span<const Triangle> triangles, std::span<const Side
 }
 
 Fault NonManifoldEdgeFault(std::span<const Side> edge) {
-  Fault fault = Fault(FaultKind::kNonManifoldEdge,
-                      fmt::format("edge {}-{} belongs to more than two triangles: {}, {}, {}{}",
-                                  edge[0].v0, edge[0].v1, edge[0].triangle(), edge[1].triangle(),
-                                  edge[2].triangle(), edge.size() > 3 ? ", …" : ""))
-                    .Field("mesh.triangles");
+  const std::string name = fmt::format("{}-{}", edge[0].v0, edge[0].v1);
+  Fault fault(FaultKind::kNonManifoldEdge,
+              fmt::format("Edge {} belongs to more than two triangles: {}, {}, {}{}.", name,
+                          edge[0].triangle(), edge[1].triangle(), edge[2].triangle(),
+                          edge.size() > 3 ? ", …" : ""));
   for (const Side& side : edge) fault.Element(side.triangle());
-  fault.Detail("edge", fmt::format("{}-{}", edge[0].v0, edge[0].v1));
-  return fault;
+  return std::move(fault).Field("mesh.triangles").Detail("edge", name);
 }
 
 std::vector<std::uint32_t> DegenerateTriangles(const SurfaceMesh& mesh) {
@@ -206,16 +202,14 @@ std::vector<std::uint32_t> DegenerateTriangles(const SurfaceMesh& mesh) {
 }
 
 Fault DegenerateFault(const std::vector<std::uint32_t>& degenerate) {
-  Fault fault =
-      Fault(FaultKind::kDegenerateTriangle,
-            fmt::format("triangle {} is degenerate: its height is below {} of its longest edge, "
-                        "or it is that small against the whole mesh ({} in all)",
-                        degenerate.front(), kDegenerateRatio, degenerate.size()))
-          .Field("mesh.triangles");
-  for (const std::uint32_t t : degenerate) fault.Element(t);
-  fault.Detail("limit", fmt::to_string(kDegenerateRatio))
-      .Detail("count", fmt::to_string(degenerate.size()));
-  return fault;
+  return Fault(FaultKind::kDegenerateTriangle,
+               fmt::format("Triangle {} is degenerate: its height is below {} of its longest edge, "
+                           "or it is that small against the whole mesh ({} in all).",
+                           degenerate.front(), kDegenerateRatio, degenerate.size()))
+      .Field("mesh.triangles")
+      .Elements(degenerate)
+      .Detail("limit", kDegenerateRatio)
+      .Detail("count", degenerate.size());
 }
 
 void AddWarning(std::string kind, const std::vector<std::uint32_t>& elements, std::string message,
@@ -254,11 +248,11 @@ void WarnTurned(const std::vector<bool>& turned, std::vector<Warning>& warnings)
 
 Result<std::vector<Warning>> ValidatePlanar(PlanarMesh& mesh, const MeshLimits& limits) {
   std::vector<Side> sides;
-  if (auto ok = CheckAll(mesh, limits, sides); !ok) return Fail(std::move(ok.error()));
+  CHECK_OK(CheckAll(mesh, limits, sides));
   std::vector<bool> turned(mesh.triangles.size(), false);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     Triangle& c = mesh.triangles[t];
-    if (TwiceArea(mesh.vertices[c[0]], mesh.vertices[c[1]], mesh.vertices[c[2]]) > 0) continue;
+    if (TwiceArea(c, mesh.vertices) > 0) continue;
     std::swap(c[1], c[2]);
     turned[t] = true;
   }
@@ -270,13 +264,12 @@ Result<std::vector<Warning>> ValidatePlanar(PlanarMesh& mesh, const MeshLimits& 
 
 Result<std::vector<Warning>> ValidateSurface(SurfaceMesh& mesh, const MeshLimits& limits) {
   std::vector<Side> sides;
-  if (auto ok = CheckAll(mesh, limits, sides); !ok) return Fail(std::move(ok.error()));
+  CHECK_OK(CheckAll(mesh, limits, sides));
   Gluing gluing = GlueAll(sides);
-  const auto turned = TrianglesToTurn(mesh.triangles, gluing);
-  if (!turned) return Fail(turned.error());
-  TurnTriangles(*turned, mesh.triangles, gluing);
+  TRY(const std::vector<bool> turned, TrianglesToTurn(mesh.triangles, gluing));
+  TurnTriangles(turned, mesh.triangles, gluing);
   std::vector<Warning> warnings;
-  WarnTurned(*turned, warnings);
+  WarnTurned(turned, warnings);
   WarnUnreferenced(mesh.vertices.size(), mesh.triangles, warnings);
   return warnings;
 }

@@ -9,7 +9,7 @@
 
 #include "arap/base/result.h"
 #include "arap/model/mesh.h"
-#include "core/mesh/sides.h"
+#include "core/mesh/topology.h"
 
 namespace arap {
 

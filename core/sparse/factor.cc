@@ -8,7 +8,8 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
-#include "core/base/timer.h"
+#include "core/base/cpu_timer.h"
+#include "core/base/try.h"
 #include "core/sparse/packed_factor.h"
 
 namespace arap {
@@ -181,7 +182,7 @@ Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<Scalar>& low
   std::vector<int> order(static_cast<std::size_t>(lower.rows()));
   const int ok = cholmod_amd(&matrix, nullptr, 0, order.data(), common.get());
   if (!ok || common.get()->status != CHOLMOD_OK) {
-    return Fail(FaultKind::kNumerical, fmt::format("ordering {} unknowns: {}", lower.rows(),
+    return Fail(FaultKind::kNumerical, fmt::format("Ordering {} unknowns: {}.", lower.rows(),
                                                    StatusText(common.get()->status)));
   }
   return order;
@@ -200,7 +201,7 @@ template <class Scalar>
 Result<std::unique_ptr<Factor<Scalar>>> Factor<Scalar>::Analyse(
     const Eigen::SparseMatrix<Scalar>& lower, FactorLayout layout, std::span<const int> order) {
   UseOneBlasThread();
-  Stopwatch watch;
+  CpuTimer timer;
   auto data = std::make_unique<FactorData>();
   cholmod_common* common = data->common.get();
   data->layout = layout;
@@ -213,27 +214,27 @@ Result<std::unique_ptr<Factor<Scalar>>> Factor<Scalar>::Analyse(
   int* given = order.empty() ? nullptr : const_cast<int*>(order.data());
   data->factor = cholmod_analyze_p(&matrix, given, nullptr, 0, common);
   if (!data->factor || common->status != CHOLMOD_OK) {
-    return Fail(FaultKind::kNumerical,
-                fmt::format("analysing {} unknowns: {}", lower.rows(), StatusText(common->status)));
+    return Fail(FaultKind::kNumerical, fmt::format("Analysing {} unknowns: {}.", lower.rows(),
+                                                   StatusText(common->status)));
   }
   std::unique_ptr<Factor> factor(new Factor(std::move(data)));
-  factor->times_.analysis = watch.Lap();
+  factor->times_.analysis = timer.Lap();
   return factor;
 }
 
 template <class Scalar>
 Status Factor<Scalar>::Again(const Eigen::SparseMatrix<Scalar>& lower) {
-  Stopwatch watch;
+  CpuTimer timer;
   cholmod_common* common = data_->common.get();
   cholmod_sparse matrix = View(lower);
   cholmod_factorize(&matrix, data_->factor, common);
-  times_.numbers = watch.Lap();
+  times_.numbers = timer.Lap();
   if (common->status != CHOLMOD_OK ||
       data_->factor->minor != static_cast<std::size_t>(lower.rows()) ||
       !HasPositivePivots(*data_->factor)) {
     const int status = common->status == CHOLMOD_OK ? CHOLMOD_NOT_POSDEF : common->status;
     return Fail(FaultKind::kNumerical,
-                fmt::format("factoring {} unknowns: {}", lower.rows(), StatusText(status)));
+                fmt::format("Factoring {} unknowns: {}.", lower.rows(), StatusText(status)));
   }
   if (data_->layout == FactorLayout::kPacked)
     data_->packed<Scalar>() = Packed<Scalar>(*data_->factor);
@@ -243,12 +244,11 @@ Status Factor<Scalar>::Again(const Eigen::SparseMatrix<Scalar>& lower) {
 template <class Scalar>
 Result<std::shared_ptr<const Factor<Scalar>>> Factor<Scalar>::Make(
     const Eigen::SparseMatrix<Scalar>& lower, FactorLayout layout, std::span<const int> order) {
-  auto factor = Analyse(lower, layout, order);
-  if (!factor) return Fail(std::move(factor.error()));
-  if (auto ok = (*factor)->Again(lower); !ok) return Fail(std::move(ok.error()));
-  if (layout == FactorLayout::kPacked) (*factor)->data_->DropCholmod();
-  cholmod_free_work((*factor)->data_->common.get());  // solves have workspaces of their own
-  return std::shared_ptr<const Factor>(std::move(*factor));
+  TRY(auto factor, Analyse(lower, layout, order));
+  CHECK_OK(factor->Again(lower));
+  if (layout == FactorLayout::kPacked) factor->data_->DropCholmod();
+  cholmod_free_work(factor->data_->common.get());  // solves have workspaces of their own
+  return std::shared_ptr<const Factor>(std::move(factor));
 }
 
 template <class Scalar>

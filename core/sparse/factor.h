@@ -1,7 +1,7 @@
 // Factor: a sparse Hermitian positive definite matrix, factored once and shared by many solvers.
 //
 // The only door to CHOLMOD. A const Factor may be used by many threads at once, each with a
-// Workspace of its own [algorithm §8]. A job that factors one pattern over and over keeps a Factor
+// Workspace of its own [algorithm §6]. A job that factors one pattern over and over keeps a Factor
 // of its own that is not const: Analyse once, then Again with each set of values.
 #pragma once
 

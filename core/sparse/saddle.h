@@ -1,4 +1,4 @@
-// Saddle: the small dense system of the null-space form [algorithm §4]
+// Saddle: the small dense system of the null-space form [algorithm §2]
 //
 //     [ C Z + E   C N ] [λ]   [ r ]
 //     [ (C N)ᴴ    −S  ] [α] = [ 0 ]

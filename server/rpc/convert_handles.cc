@@ -6,6 +6,7 @@
 #include <arap/v1/deformation_service.pb.h>
 #include <fmt/format.h>
 
+#include "arap/core/depth_order.h"
 #include "core/base/names.h"
 #include "server/rpc/convert_mesh.h"
 #include "server/sessions/rebuild.h"
@@ -201,8 +202,8 @@ void ToWire(const app::HandleSetEntry& entry, v1::HandleSetInfo* out) {
   out->set_row_count(handles.rows());
   out->set_bytes(handles.bytes());
   ToWire(handles.warnings(), out->mutable_warnings());
-  for (const double depth : handles.VertexDepths()) out->add_depth(static_cast<float>(depth));
-  const std::vector<std::uint32_t> draw_order = handles.DrawOrder();
+  for (const double depth : VertexDepths(handles)) out->add_depth(static_cast<float>(depth));
+  const std::vector<std::uint32_t> draw_order = DrawOrder(handles);
   out->mutable_draw_order()->Assign(draw_order.begin(), draw_order.end());
   out->set_revision(entry.revision);
   out->set_resting_components(handles.resting_components());

@@ -25,7 +25,7 @@ class SystemClock final : public Clock {
   Steady SteadyNow() const override { return std::chrono::steady_clock::now(); }
 };
 
-// Of the steady clock, from its construction on; core/base/timer.h has the processor time of a
+// Of the steady clock, from its construction on; core/base/cpu_timer.h has the processor time of a
 // thread.
 class WallTimer {
  public:

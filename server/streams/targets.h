@@ -16,7 +16,7 @@ struct NamedTarget {
   Target target;
 };
 
-inline constexpr double kMaxTargetScale = 1e6;
+inline constexpr double kMaxTargetScale = Target::kMaxScale;
 
 // Position, angle and scale finite (kNonFiniteTarget), scale 0 to kMaxTargetScale (kInvalidOption).
 // The fault's field is `field` with the part at fault appended.

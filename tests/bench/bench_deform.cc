@@ -101,6 +101,20 @@ void BM_AddOneHandle(benchmark::State& state) {
 }
 BENCHMARK(BM_AddOneHandle)->Arg(1000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
 
+// What an update costs that names every handle, in an order that is not the set's.
+void BM_FindAllHandles(benchmark::State& state) {
+  const auto mesh = Registered(1000);
+  const auto set = Must(CompiledHandles::Compile(mesh, Handles(*mesh, state.range(0))));
+  const auto& handles = set->handles();
+  for (auto _ : state) {
+    for (std::size_t i = handles.size(); i-- > 0;) {
+      benchmark::DoNotOptimize(set->Find(handles[i].handle.id));
+    }
+  }
+  state.SetComplexityN(state.range(0));
+}
+BENCHMARK(BM_FindAllHandles)->Arg(100)->Arg(1000)->Complexity(benchmark::oNLogN);
+
 void BM_RemoveOneHandle(benchmark::State& state) {
   const auto mesh = Registered(state.range(0));
   const auto set = Must(CompiledHandles::Compile(mesh, Handles(*mesh, 8)));

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "arap/core/flattener.h"
-#include "core/base/timer.h"
+#include "core/base/cpu_timer.h"
 #include "tests/bench/apart.h"
 #include "tests/bench/cgal_parameterizer.h"
 #include "tests/bench/contenders.h"
@@ -52,10 +52,10 @@ Json RunOurs(const SurfaceMesh& mesh, const FlattenOptions& options, const std::
 Json RunCgal(const SurfaceMesh& mesh, CgalMethod method, const std::string& prefix) {
   CgalParameterizer cgal(mesh);
   const PeakMemory memory;
-  Stopwatch watch;
+  CpuTimer timer;
   const std::string error = cgal.Run(method);
   Json figures;
-  figures[prefix + "ms"] = watch.Lap();
+  figures[prefix + "ms"] = timer.Lap();
   figures[prefix + "peak_bytes"] = memory.Growth();
   const LayoutQuality quality = QualityOf(mesh, cgal.uv());
   figures[prefix + "energy"] = quality.distortion.arap_energy;

@@ -5,6 +5,7 @@
 
 #include "arap/core/compiled_handles.h"
 #include "arap/core/deformer.h"
+#include "arap/core/depth_order.h"
 #include "arap/core/pick.h"
 #include "arap/core/registered_mesh.h"
 #include "tests/fuzz/check.h"
@@ -60,7 +61,7 @@ std::vector<Handle> HandlesFrom(Bytes& bytes, const PlanarMesh& mesh) {
 
 // Some updates and picks; whatever they answer is finite, and a fault leaves the shape as it was.
 void Drag(Bytes& bytes, const Compiled& handles) {
-  for (const double depth : handles->VertexDepths()) CheckFinite(depth, "depth");
+  for (const double depth : VertexDepths(*handles)) CheckFinite(depth, "depth");
   const Picker picker(handles);
   Deformer deformer(handles);
   for (std::uint32_t updates = 1 + bytes.Below(3); updates > 0; --updates) {

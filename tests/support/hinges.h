@@ -13,7 +13,7 @@
 
 namespace arap::testing {
 
-// The mistakes of the printed paper that can be made on purpose [algorithm §1, §6].
+// The mistakes of the printed paper that can be made on purpose [algorithm §7].
 enum class Slip {
   kNone,
   kAbsoluteFit,        // eq. 3: the fit takes positions instead of differences from v_i

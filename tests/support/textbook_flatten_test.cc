@@ -1,10 +1,12 @@
 // The transcription of §7 flattens developables exactly, and each slip of the print breaks it.
 #include <algorithm>
+#include <string>
 #include <tuple>
 
 #include <gtest/gtest.h>
 
 #include "tests/support/compare.h"
+#include "tests/support/print.h"
 #include "tests/support/surfaces.h"
 #include "tests/support/textbook.h"
 
@@ -15,10 +17,16 @@ using Variant = std::tuple<bool, Weights>;
 
 class TextbookFlattenTest : public ::testing::TestWithParam<Variant> {};
 
+std::string VariantName(const ::testing::TestParamInfo<Variant>& variant) {
+  const auto [both_directions, weights] = variant.param;
+  return std::string(both_directions ? "both_ways_" : "one_way_") + NameOf(weights);
+}
+
 INSTANTIATE_TEST_SUITE_P(Variants, TextbookFlattenTest,
                          ::testing::Combine(::testing::Bool(),
                                             ::testing::Values(Weights::kUniform,
-                                                              Weights::kCotangent)));
+                                                              Weights::kCotangent)),
+                         VariantName);
 
 // The first edge of the triangle in the middle of the list.
 std::array<std::uint32_t, 2> MiddleEdge(const SurfaceMesh& mesh) {

@@ -7,6 +7,7 @@
 #include "tests/support/compare.h"
 #include "tests/support/meshes.h"
 #include "tests/support/poses.h"
+#include "tests/support/print.h"
 
 namespace arap::testing {
 namespace {
@@ -15,6 +16,10 @@ struct Variant {
   bool both_directions;
   Weights weights;
 };
+
+void PrintTo(const Variant& variant, std::ostream* out) {
+  *out << (variant.both_directions ? "both_ways_" : "one_way_") << NameOf(variant.weights);
+}
 
 class TextbookDeformTest : public ::testing::TestWithParam<Variant> {
  protected:
@@ -30,7 +35,8 @@ INSTANTIATE_TEST_SUITE_P(Variants, TextbookDeformTest,
                          ::testing::Values(Variant{false, Weights::kUniform},
                                            Variant{true, Weights::kUniform},
                                            Variant{false, Weights::kCotangent},
-                                           Variant{true, Weights::kCotangent}));
+                                           Variant{true, Weights::kCotangent}),
+                         ::testing::PrintToStringParamName());
 
 TEST_P(TextbookDeformTest, RestPoseIsAFixedPoint) {
   const PlanarMesh mesh = JitteredGrid(5, 4, 1);
@@ -116,7 +122,7 @@ TEST(TextbookDeform, UnreferencedVerticesStayAtRest) {
   EXPECT_LT(MaxDistance(shape, expected), 1e-10);
 }
 
-// Slips of the print [algorithm §1].
+// Slips of the print [algorithm §7].
 
 TEST(PrintedSlips, AbsolutePositionsInTheFitAreNotTranslationInvariant) {
   const PlanarMesh mesh = Grid(6, 6, 400, 400);

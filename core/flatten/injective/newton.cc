@@ -6,6 +6,7 @@
 
 #include "core/base/try.h"
 #include "core/flatten/distortion.h"
+#include "core/mesh/plane.h"
 
 namespace arap {
 namespace {
@@ -43,8 +44,6 @@ void KeepPositive(double& p, double& r, double& q) {
   q = 0.5 * (high + low) - 0.5 * (high - low) * c;
   r = 0.5 * (high - low) * s;
 }
-
-double Cross(Complex a, Complex b) { return a.real() * b.imag() - a.imag() * b.real(); }
 
 // Smallest positive root of c0 + c1·t + c2·t², c0 > 0.
 double FirstRoot(double c0, double c1, double c2) {

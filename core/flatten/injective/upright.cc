@@ -5,11 +5,13 @@
 #include <limits>
 #include <numbers>
 
+#include "core/mesh/plane.h"
+
 namespace arap {
 
 bool Upright(Complex a, Complex b, Complex c) {
   const Complex u = b - a, v = c - a;
-  const double cross = u.real() * v.imag() - u.imag() * v.real();
+  const double cross = Cross(u, v);
   const auto reach = [](Complex z) { return std::max(std::abs(z.real()), std::abs(z.imag())); };
   const double coordinate = std::max({reach(a), reach(b), reach(c)});
   const double length = std::max(reach(u), reach(v));

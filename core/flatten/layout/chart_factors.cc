@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "core/base/timer.h"
+#include "core/base/cpu_timer.h"
 #include "core/base/try.h"
 #include "core/flatten/layout/first_step.h"
 
@@ -70,9 +70,9 @@ std::string ChartFactors::FirstKey(const char* step, const Held& held) const {
 
 Result<Order> ChartFactors::OrderOf(const Eigen::SparseMatrix<Complex>& lower) {
   return cache_.GetOrder(fmt::format("{}/{}", name_, CellBasis()), [&] {
-    Stopwatch watch;
+    CpuTimer timer;
     auto order = EliminationOrder(lower);
-    times_.analysis += watch.Lap();
+    times_.analysis += timer.Lap();
     return order;
   });
 }

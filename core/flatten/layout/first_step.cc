@@ -5,6 +5,7 @@
 
 #include "core/base/try.h"
 #include "core/energy/assemble.h"
+#include "core/mesh/plane.h"
 #include "core/mesh/space.h"
 #include "core/sparse/saddle.h"
 
@@ -78,7 +79,7 @@ double Area(const Chart& chart) {
 double FlatArea(const Chart& chart, const std::vector<Complex>& x) {
   double area = 0;
   for (const Triangle& t : chart.mesh.triangles) {
-    area += 0.5 * std::imag(std::conj(x[t[1]] - x[t[0]]) * (x[t[2]] - x[t[0]]));
+    area += 0.5 * TwiceArea(t, x);
   }
   return area;
 }

@@ -16,10 +16,9 @@ Eigen::Vector3d Centroid(const SurfaceMesh& mesh) {
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
   double area = 0;
   for (const Triangle& t : mesh.triangles) {
-    const auto a = Vec(mesh.vertices[t[0]]), b = Vec(mesh.vertices[t[1]]),
-               c = Vec(mesh.vertices[t[2]]);
-    const double weight = (b - a).cross(c - a).norm();
-    centroid += weight / 3 * (a + b + c);
+    const Point3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+    const double weight = TwiceArea(a, b, c);
+    centroid += weight / 3 * (Vec(a) + Vec(b) + Vec(c));
     area += weight;
   }
   return centroid / area;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "core/mesh/plane.h"
 
 namespace arap {
 namespace {
@@ -123,15 +124,13 @@ struct Outline {
   bool hole;  // runs clockwise
 };
 
-double Cross(Complex a, Complex b) { return a.real() * b.imag() - a.imag() * b.real(); }
-
-// Twice the signed area of from, to, p: which side of the segment p is on.
-double Side(const Segment& s, Complex p) { return Cross(s.to - s.from, p - s.from); }
+// Which side of the segment p is on: positive on its left.
+double SideOf(const Segment& s, Complex p) { return TwiceArea(s.from, s.to, p); }
 
 // A point on the line always counts as left of it: a path through an end of a segment crosses once.
 bool SegmentsCross(const Segment& a, const Segment& b) {
-  return (Side(a, b.from) < 0) != (Side(a, b.to) < 0) &&
-         (Side(b, a.from) < 0) != (Side(b, a.to) < 0);
+  return (SideOf(a, b.from) < 0) != (SideOf(a, b.to) < 0) &&
+         (SideOf(b, a.from) < 0) != (SideOf(b, a.to) < 0);
 }
 
 Complex Unit(Complex z) {
@@ -165,8 +164,8 @@ class Boundary {
     for (std::uint32_t k = outline.begin; k < outline.end; ++k) {
       const Segment& s = segments_[k];
       const bool from = s.from.imag() <= p.imag(), to = s.to.imag() <= p.imag();
-      if (from && !to && Side(s, p) > 0) ++winding;
-      if (!from && to && Side(s, p) < 0) --winding;
+      if (from && !to && SideOf(s, p) > 0) ++winding;
+      if (!from && to && SideOf(s, p) < 0) --winding;
     }
     return winding;
   }

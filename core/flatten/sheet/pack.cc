@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/mesh/plane.h"
+
 namespace arap {
 namespace {
 
@@ -14,9 +16,6 @@ constexpr double kWorthTurning = 1e-9;
 // Lengths of shelf to try, relative to the side of a square of the same area: from, to, how many.
 constexpr double kShortestShelf = 0.8, kLongestShelf = 1.6;
 constexpr int kShelves = 17;
-
-double Cross(Complex a, Complex b) { return a.real() * b.imag() - a.imag() * b.real(); }
-double Dot(Complex a, Complex b) { return a.real() * b.real() + a.imag() * b.imag(); }
 
 // Convex hull, counter-clockwise, without points on its sides [Andrew's monotone chain].
 std::vector<Complex> Hull(std::vector<Complex> points) {

@@ -11,7 +11,7 @@
 
 #include "arap/core/flattener.h"
 #include "core/energy/assemble.h"
-#include "core/energy/build_cells.h"
+#include "core/energy/cells.h"
 #include "core/flatten/distortion.h"
 #include "core/flatten/layout/first_step.h"
 #include "core/mesh/space.h"

@@ -1,7 +1,7 @@
 // CompiledHandles: a handle set on a registered mesh, ready to deform [II09 §6 "compilation"].
 //
-// Compilation does not factor the mesh matrices again: it costs one back-substitution per
-// constraint row and one small dense factorisation (null-space form, algorithm §4).
+// Compilation does not factor the mesh again: it costs one back-substitution per constraint row and
+// one small dense factorisation, the null-space form [algorithm §2].
 #pragma once
 
 #include <cstddef>
@@ -29,24 +29,32 @@ enum class HandleSolver {
 };
 
 // Above this many constraint rows kAuto factors directly: there both the compilation and the frame
-// are cheaper that way (docs/algorithm.md has the measurement).
+// are cheaper that way; docs/algorithm.md, section 2, has the measurement.
 inline constexpr std::size_t kDirectRows = 96;
 
-// Immutable, safe to share between threads.
+// Immutable, safe to share between threads. Keeps its mesh alive.
+//
+// A handle has one constraint row; an oriented one has the three of its triangle, an area handle
+// one per vertex that it holds. Handles are numbered in the order given.
 class CompiledHandles {
  public:
-  // Faults: kDuplicateHandle, kIndexOutOfRange, kHandleOutside (with the distance), kInvalidOption,
-  // and whatever `cancel` answers. `Fault::field` names "handles[i]…", `Fault::elements` the handle
-  // indices.
+  // Finds the handles on the mesh and solves for their rows. The numbers of a handle must be within
+  // the bounds that arap/model/handle.h gives; the ids are compared, but not otherwise looked at.
+  //
+  // Faults, with the field "handles[i]…" and the number of the handle in `Fault::elements`:
+  //   kDuplicateHandle; kIndexOutOfRange for a vertex or triangle that the mesh has not;
+  //   kHandleOutside for a position outside the mesh (detail "distance") or a vertex without a
+  //   triangle; kInvalidOption for a number out of its bounds; kNumerical; whatever `cancel`
+  //   answers between blocks of rows.
   static Result<std::shared_ptr<const CompiledHandles>> Compile(
-      std::shared_ptr<const RegisteredMesh> mesh, std::vector<Handle> handles,
+      std::shared_ptr<const RegisteredMesh> mesh, const std::vector<Handle>& handles,
       const CancelToken& cancel = {}, HandleSolver solver = HandleSolver::kAuto);
 
-  // A new set with `remove` taken out and `add` appended, in that order. Costs the
-  // back-substitutions of the added rows only. Faults: kUnknownHandle and those of Compile; this
-  // set is not changed.
+  // A new set with `remove` taken out, then `add` appended. This set is not changed. Costs the
+  // back-substitutions of the added rows only; factors again when direct. Faults: kUnknownHandle
+  // (field "remove") and those of Compile, where i counts in `add`.
   Result<std::shared_ptr<const CompiledHandles>> Edit(std::span<const std::string> remove,
-                                                      std::vector<Handle> add,
+                                                      const std::vector<Handle>& add,
                                                       const CancelToken& cancel = {}) const;
 
   ~CompiledHandles();
@@ -55,22 +63,24 @@ class CompiledHandles {
 
   const std::shared_ptr<const RegisteredMesh>& mesh() const;
   const std::vector<PlacedHandle>& handles() const;  // in the order given
+  // The number of the handle with this id. O(log n).
   std::optional<std::size_t> Find(std::string_view id) const;
-  std::vector<Target> RestTargets() const;  // one per handle
-  // Without a frame: kConflictingHandles when hard handles cannot all meet these targets (one per
-  // handle, finite). Linear in rows(), and free unless hard handles depend on one another.
+  // Where every handle is at rest: as targets they give the rest shape.
+  std::vector<Target> RestTargets() const;
+  // What Deformer::Update would say of the targets without taking the frame: the faults of one per
+  // handle that is not acceptable, and kConflictingHandles when hard handles cannot all meet
+  // theirs. Linear in rows(); free, and without any check, unless hard handles depend on one
+  // another.
   Status CheckHard(std::span<const Target> targets) const;
-  std::size_t rows() const;  // constraint rows
-  bool direct() const;       // whether it factored directly
-  std::size_t bytes() const;
-  std::size_t resting_components() const;      // without handles: they stay at rest
-  std::size_t translating_components() const;  // with one distinct handle
-  std::vector<Warning> warnings() const;
-  // Depth of every vertex, and triangles back to front. Empty when no handle has a depth.
-  std::vector<double> VertexDepths() const;
-  std::vector<std::uint32_t> DrawOrder() const;
 
-  // For the rest of this room.
+  std::size_t rows() const;                // constraint rows
+  bool direct() const;                     // whether mesh and handles were factored together
+  std::size_t bytes() const;               // held beside the mesh; what sets share counts in each
+  std::size_t resting_components() const;  // without a handle: they stay at rest
+  std::size_t translating_components() const;  // with one distinct handle: they only move
+  std::vector<Warning> warnings() const;       // snapped handles, resting components, …
+
+  // For the rest of the core.
   const CompiledHandlesParts& parts() const { return *parts_; }
 
  private:

@@ -11,13 +11,15 @@
 
 namespace arap {
 
-// Immutable, shared by threads.
+// Immutable, shared by threads. Keeps the handle set alive.
 class Picker {
  public:
+  // O(#V) per handle with a depth.
   explicit Picker(std::shared_ptr<const CompiledHandles> handles);
 
-  // The triangle of `positions` (#V) that holds `point`, its edges included; nothing when none
-  // does. Where triangles overlap the one with the highest depth at the point wins, then the lowest
+  // The triangle of `positions` (#V, units of the mesh, as Deformer::positions() gives them) that
+  // holds `point`, its edges included, and where that point was at rest; nothing when none does.
+  // Where triangles overlap the one with the highest depth at the point wins, then the lowest
   // index. O(#F).
   std::optional<Pick> Find(std::span<const Complex> positions, Complex point) const;
 

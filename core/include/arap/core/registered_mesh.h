@@ -10,18 +10,24 @@
 #include "arap/base/result.h"
 #include "arap/model/energy.h"
 #include "arap/model/mesh.h"
-#include "core/mesh/validation.h"
 
 namespace arap {
 
-class RegisteredMeshParts;
+struct RegisteredMeshParts;
 
-// Immutable, safe to share between threads. Every handle set on the mesh shares its factors.
+// Immutable, safe to share between threads. Every handle set on the mesh keeps it alive and shares
+// its factors.
 class RegisteredMesh {
  public:
-  // Validates, builds the cells and factors. O(n^1.5) for a planar mesh.
-  // Faults: those of ValidatePlanar, kArrayLength and kInvalidOption for the rigidity,
-  // kNumerical, and whatever `cancel` answers between the phases.
+  // Validates the mesh, builds the cells of its energy and factors both steps. Clockwise triangles
+  // are turned round and unreferenced vertices let through, both with a warning in report().
+  // O(n^1.5) time and O(n log n) memory for n vertices; about 0.1 s at 10,000.
+  //
+  // Faults, with the first ids at fault in `Fault::elements`:
+  //   kEmptyMesh, kMeshTooLarge (beyond `limits`), kNonFiniteCoordinate (or beyond 1e150),
+  //   kIndexOutOfRange, kRepeatedIndex, kDuplicateTriangle, kNonManifoldEdge, kDegenerateTriangle;
+  //   kArrayLength and kInvalidOption for the rigidity; kNumerical when a factorisation fails;
+  //   whatever `cancel` answers between the phases.
   static Result<std::shared_ptr<const RegisteredMesh>> Register(PlanarMesh mesh,
                                                                 const EnergyOptions& options,
                                                                 const MeshLimits& limits = {},
@@ -30,12 +36,13 @@ class RegisteredMesh {
   RegisteredMesh(const RegisteredMesh&) = delete;
   RegisteredMesh& operator=(const RegisteredMesh&) = delete;
 
-  // The mesh as registered: triangles turned counter-clockwise, positions in units of the input.
+  // The mesh as registered: triangles turned counter-clockwise, positions as they were given.
   const PlanarMesh& mesh() const;
   const EnergyOptions& options() const;
+  // Counts, measures, warnings, and the bytes that the factors and tables hold.
   const RegistrationReport& report() const;
 
-  // For the rest of this room.
+  // For the rest of the core.
   const RegisteredMeshParts& parts() const { return *parts_; }
 
  private:

@@ -20,8 +20,8 @@ inline constexpr int kMaxRefine = 1000;
 
 struct DeformOptions {
   DeformMode mode = DeformMode::kRigid;
-  // Repetitions of the second step with the rotations of its own result. A descent for FACE and
-  // VERTEX cells, not for EDGE cells [algorithm §6]. 0…kMaxRefine.
+  // Repetitions of the second step with the rotations of its own result, 0 to kMaxRefine; in
+  // kRigid only. A descent for FACE and VERTEX cells, not for EDGE cells [algorithm §1].
   int refine = 0;
 
   bool operator==(const DeformOptions&) const = default;

@@ -5,7 +5,7 @@
 
 namespace arap {
 
-// What a cell is: the piece of the mesh that has one rotation [algorithm §3].
+// What a cell is: the piece of the mesh that has one rotation [algorithm §1].
 enum class Basis {
   kEdge,             // one cell per directed edge with its opposite vertices, half weight each
   kEdgeAsPublished,  // one per edge, from the lower to the higher index [II09 §4.2]
@@ -16,13 +16,14 @@ enum class Basis {
 // How much an edge counts.
 enum class Weights {
   kUniform,    // every edge the same
-  kCotangent,  // independent of the triangulation
+  kCotangent,  // by the angles opposite of it: the energy depends little on the triangulation
 };
 
 struct EnergyOptions {
   Basis basis = Basis::kEdge;
   Weights weights = Weights::kUniform;
-  // 0 < r <= kMaxRigidity per triangle (#F), or empty for 1 everywhere.
+  // How stiff every triangle is (#F), above 0 and at most kMaxRigidity; it multiplies the weights
+  // of its edges. Empty: 1 everywhere.
   std::vector<double> rigidity;
 
   bool operator==(const EnergyOptions&) const = default;

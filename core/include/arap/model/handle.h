@@ -17,8 +17,9 @@ struct VertexAnchor {
   bool operator==(const VertexAnchor&) const = default;
 };
 struct TriangleAnchor {
-  std::uint32_t triangle = 0;           // below #F
-  std::array<double, 3> barycentric{};  // in the order of the triangle as it was sent; sum 1 ± 1e-6
+  std::uint32_t triangle = 0;  // below #F
+  // In the order of the triangle as it was sent. Each 0 to 1, their sum 1, within 1e-6.
+  std::array<double, 3> barycentric{};
 
   bool operator==(const TriangleAnchor&) const = default;
 };
@@ -44,10 +45,11 @@ struct Handle {
 
   std::string id;  // unique in the set, 1 to 128 characters of [A-Za-z0-9._-]
   std::variant<VertexAnchor, TriangleAnchor, PointAnchor> anchor;
-  double weight = kDefaultWeight;  // on the squared residual; ignored when hard
-  bool hard = false;               // meet the target exactly
-  bool oriented = false;           // hold orientation and scale too: the whole triangle is placed
-  double area_radius = 0;          // hold every vertex within this rest distance; implies oriented
+  // On the squared residual, kMinWeight to kMaxWeight. Plays no part when hard.
+  double weight = kDefaultWeight;
+  bool hard = false;       // meet the target exactly
+  bool oriented = false;   // hold orientation and scale too: the whole triangle is placed
+  double area_radius = 0;  // hold every vertex within this rest distance; implies oriented
   Outside outside = Outside::kError;
   double depth = 0;          // for the drawing order, higher is nearer; ±kMaxDepth
   double depth_falloff = 0;  // rest distance over which depth fades to 0; 0: constant
@@ -57,9 +59,11 @@ struct Handle {
 
 // Where a handle should go. Angle and scale are against the rest pose; oriented handles only.
 struct Target {
-  Complex position;
-  double angle = 0;  // radians
-  double scale = 1;
+  static constexpr double kMaxScale = 1e6;
+
+  Complex position;  // units of the mesh
+  double angle = 0;  // radians, counter-clockwise
+  double scale = 1;  // 0 to kMaxScale
 
   bool operator==(const Target&) const = default;
 };

@@ -1,5 +1,5 @@
 // Meshes as everybody gives and takes them, and what was noticed about them. Plain values; nothing
-// is checked here (core/mesh/validation.h does that).
+// is checked here; registering or flattening a mesh does that.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace arap {
 
-// A point of the plane; x + iy, so that a similarity is one multiplication [algorithm §2].
+// A point of the plane; x + iy, so that a similarity is one multiplication [algorithm §1].
 using Complex = std::complex<double>;
 // A point of space.
 using Point3 = std::array<double, 3>;

@@ -1,6 +1,6 @@
 // The two machine codes of the local step give the same bytes, and what they compute is the sum
-// that algorithm §3 writes.
-#include "core/energy/local_kernels.h"
+// that algorithm §1 writes.
+#include "core/energy/local_step.h"
 
 #include <bit>
 #include <cmath>
@@ -9,8 +9,7 @@
 
 #include "core/base/wide.h"
 #include "core/energy/assemble.h"
-#include "core/energy/build_cells.h"
-#include "core/energy/local_step.h"
+#include "core/energy/cells.h"
 #include "tests/support/meshes.h"
 
 namespace arap {

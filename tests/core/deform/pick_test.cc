@@ -1,7 +1,7 @@
 // The inverse map, and several frames at once.
 #include "arap/core/pick.h"
 
-#include "tests/core/property/fixture.h"
+#include "tests/core/deform/fixture.h"
 #include "tests/support/compare.h"
 #include "tests/support/meshes.h"
 

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "core/mesh/gluing.h"
-#include "core/mesh/locate.h"
 #include "tests/support/meshes.h"
 
 namespace arap::testing {
@@ -100,30 +99,6 @@ TEST(GluingTest, TurnedTrianglesKeepTheirNeighbours) {
     ++length;
   } while (side != first);
   EXPECT_EQ(length, 12);
-}
-
-TEST(LocateTest, FindsTheLowestTriangleAndTheNearestBoundary) {
-  const PlanarMesh mesh = Grid(4, 4, 4, 4);
-  const auto inside = Locate(mesh.vertices, mesh.triangles, {1.75, 2.25});
-  ASSERT_TRUE(inside.has_value());
-  Complex p = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    p += inside->barycentric[k] * mesh.vertices[mesh.triangles[inside->triangle][k]];
-  }
-  EXPECT_LE(std::abs(p - Complex(1.75, 2.25)), 1e-12);
-  EXPECT_FALSE(Locate(mesh.vertices, mesh.triangles, {5, 1}).has_value());
-  const Located near = NearestOnBoundary(mesh.vertices, mesh.triangles, Of(mesh), {5.5, 1.25});
-  EXPECT_LE(std::abs(near.point - Complex(4, 1.25)), 1e-12);
-  EXPECT_NEAR(near.distance, 1.5, 1e-12);
-  // A vertex belongs to several triangles: the lowest wins.
-  const auto corner = Locate(mesh.vertices, mesh.triangles, mesh.vertices[6]);
-  std::uint32_t lowest = kNone;
-  for (std::uint32_t t = 0; t < mesh.triangles.size() && lowest == kNone; ++t) {
-    for (const std::uint32_t v : mesh.triangles[t]) {
-      if (v == 6) lowest = t;
-    }
-  }
-  EXPECT_EQ(corner->triangle, lowest);
 }
 
 }  // namespace

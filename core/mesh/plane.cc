@@ -1,4 +1,4 @@
-#include "core/mesh/locate.h"
+#include "core/mesh/plane.h"
 
 #include <algorithm>
 #include <limits>
@@ -6,10 +6,9 @@
 namespace arap {
 
 std::array<double, 3> Barycentric(const std::array<Complex, 3>& c, Complex p) {
-  const auto cross = [](Complex a, Complex b) { return std::imag(std::conj(a) * b); };
-  const double area = cross(c[1] - c[0], c[2] - c[0]);
-  const double b1 = cross(p - c[0], c[2] - c[0]) / area;
-  const double b2 = cross(c[1] - c[0], p - c[0]) / area;
+  const double area = TwiceArea(c[0], c[1], c[2]);
+  const double b1 = TwiceArea(c[0], p, c[2]) / area;
+  const double b2 = TwiceArea(c[0], c[1], p) / area;
   return {1 - b1 - b2, b1, b2};
 }
 
@@ -24,7 +23,7 @@ std::optional<Located> Locate(std::span<const Complex> vertices,
     double sum = 0;
     for (double& x : b) sum += x = std::max(x, 0.0);
     for (double& x : b) x /= sum;
-    return Located{t, b, p, 0};
+    return Located{t, b, 0};
   }
   return std::nullopt;
 }
@@ -39,7 +38,7 @@ Located NearestOnBoundary(std::span<const Complex> vertices, std::span<const Tri
     const double s = std::clamp(std::real(std::conj(d) * (p - a)) / std::norm(d), 0.0, 1.0);
     const double distance = std::abs(a + s * d - p);
     if (distance >= best.distance) continue;
-    best = {edge.triangle[0], {}, a + s * d, distance};
+    best = {edge.triangle[0], {}, distance};
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = triangles[edge.triangle[0]][k];
       best.barycentric[k] = v == edge.v0 ? 1 - s : v == edge.v1 ? s : 0;

@@ -1,5 +1,4 @@
-// Short cuts for property tests: register, compile, deform, with the test failing loudly in
-// between.
+// Short cuts for tests of deformation: register, compile and deform, or end the program.
 #pragma once
 
 #include <memory>

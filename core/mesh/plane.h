@@ -1,4 +1,4 @@
-// Point location by search over all triangles: about 0.1 ms at 20k triangles, no tables to keep.
+// Geometry of the plane: areas, barycentric coordinates, and where in a mesh a point lies.
 #pragma once
 
 #include <array>
@@ -11,10 +11,21 @@
 
 namespace arap {
 
+// a × b: twice the signed area of the triangle 0, a, b; positive when b lies to the left of a.
+inline double Cross(Complex a, Complex b) { return a.real() * b.imag() - a.imag() * b.real(); }
+
+// The scalar product.
+inline double Dot(Complex a, Complex b) { return a.real() * b.real() + a.imag() * b.imag(); }
+
+// Twice the signed area of a triangle; positive when it runs counter-clockwise.
+inline double TwiceArea(Complex a, Complex b, Complex c) { return Cross(b - a, c - a); }
+inline double TwiceArea(const Triangle& triangle, std::span<const Complex> vertices) {
+  return TwiceArea(vertices[triangle[0]], vertices[triangle[1]], vertices[triangle[2]]);
+}
+
 struct Located {
   std::uint32_t triangle = kNone;
   std::array<double, 3> barycentric{};
-  Complex point;        // where it is, after snapping
   double distance = 0;  // how far snapping moved it
 };
 
@@ -22,7 +33,8 @@ struct Located {
 std::array<double, 3> Barycentric(const std::array<Complex, 3>& corners, Complex p);
 
 // The lowest triangle that holds `p`, its boundary included up to `tolerance` (relative to the
-// triangle). Triangles of either orientation count; degenerate ones do not.
+// triangle). Triangles of either orientation count; degenerate ones do not. O(#F), without tables:
+// about 0.1 ms at 20k triangles.
 std::optional<Located> Locate(std::span<const Complex> vertices,
                               std::span<const Triangle> triangles, Complex p,
                               double tolerance = 1e-9);

@@ -37,7 +37,7 @@ TEST(ValidationTest, NamesAnEmptyMesh) {
 TEST(ValidationTest, NamesTheLimit) {
   const Fault vertices = FaultOf(Square(), {3, 100});
   EXPECT_EQ(vertices.kind, FaultKind::kMeshTooLarge);
-  EXPECT_THAT(vertices.message, HasSubstr("4 vertices; the limit is 3"));
+  EXPECT_THAT(vertices.message, HasSubstr("4 elements, more than max_vertices of 3."));
   EXPECT_EQ(FaultOf(Square(), {100, 1}).kind, FaultKind::kMeshTooLarge);
 }
 

@@ -1,9 +1,10 @@
 // The fast path against the paper in dense matrices: 50 random meshes and poses.
 #include "tests/support/textbook.h"
 
-#include "tests/core/property/fixture.h"
+#include "tests/core/deform/fixture.h"
 #include "tests/support/compare.h"
 #include "tests/support/meshes.h"
+#include "tests/support/print.h"
 
 namespace arap::testing {
 namespace {
@@ -38,9 +39,9 @@ TEST_P(TextbookTest, AgreesOnBothVariantsAndWeights) {
       const auto expected =
           TextbookDeform(mesh, both, weights, AsTextbook(mesh, handles), points, &first);
       EXPECT_LE(RelativeDistance(Deform(set, targets), expected), 1e-7)
-          << "both " << both << " weights " << static_cast<int>(weights);
+          << "both " << both << ", " << NameOf(weights);
       EXPECT_LE(RelativeDistance(Deform(set, targets, {DeformMode::kSimilarity, 0}), first), 1e-7)
-          << "first step, both " << both << " weights " << static_cast<int>(weights);
+          << "first step, both " << both << ", " << NameOf(weights);
     }
   }
 }

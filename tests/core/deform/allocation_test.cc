@@ -3,7 +3,7 @@
 #include <atomic>
 #include <cstddef>
 
-#include "tests/core/property/fixture.h"
+#include "tests/core/deform/fixture.h"
 #include "tests/support/meshes.h"
 
 namespace {

@@ -1,7 +1,7 @@
 // What a deformation must not depend on, and what it must follow.
 #include <thread>
 
-#include "tests/core/property/fixture.h"
+#include "tests/core/deform/fixture.h"
 #include "tests/support/compare.h"
 #include "tests/support/dense_arap.h"
 #include "tests/support/meshes.h"

@@ -1,16 +1,17 @@
-// Depth and drawing order of a handle set: CompiledHandles::VertexDepths and DrawOrder.
+#include "arap/core/depth_order.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "core/deform/compiled_parts.h"
+#include "core/deform/registered_parts.h"
 
 namespace arap {
 
-std::vector<double> CompiledHandles::VertexDepths() const {
-  const RegisteredMeshParts& mesh = parts_->mesh->parts();
+std::vector<double> VertexDepths(const CompiledHandles& handles) {
+  const RegisteredMeshParts& mesh = handles.mesh()->parts();
   std::vector<double> depths;
-  for (const PlacedHandle& placed : parts_->handles) {
+  for (const PlacedHandle& placed : handles.handles()) {
     if (placed.handle.depth == 0) continue;
     depths.resize(mesh.rest.size(), 0);
     for (std::size_t v = 0; v < depths.size(); ++v) {
@@ -25,10 +26,10 @@ std::vector<double> CompiledHandles::VertexDepths() const {
   return depths;
 }
 
-std::vector<std::uint32_t> CompiledHandles::DrawOrder() const {
-  const std::vector<double> depths = VertexDepths();
+std::vector<std::uint32_t> DrawOrder(const CompiledHandles& handles) {
+  const std::vector<double> depths = VertexDepths(handles);
   if (depths.empty()) return {};
-  const auto& triangles = parts_->mesh->parts().mesh.triangles;
+  const auto& triangles = handles.mesh()->mesh().triangles;
   std::vector<double> key(triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     for (const std::uint32_t v : triangles[t]) key[t] += depths[v] / 3;

@@ -4,7 +4,8 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/core/property/fixture.h"
+#include "arap/core/depth_order.h"
+#include "tests/core/deform/fixture.h"
 #include "tests/support/compare.h"
 #include "tests/support/meshes.h"
 
@@ -67,6 +68,49 @@ TEST(HandlesTest, NamesEveryFault) {
   EXPECT_EQ(CompileFault(mesh, {heavy}).kind, FaultKind::kInvalidOption);
   heavy.weight = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(CompileFault(mesh, {heavy}).kind, FaultKind::kInvalidOption);
+}
+
+TEST(HandlesTest, EveryNumberIsWithinItsBounds) {
+  const PlanarMesh mesh = Grid(4, 4, 4, 4);
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  struct Bad {
+    std::string field, message;
+    void (*spoil)(Handle&);
+  };
+  const Bad cases[] = {
+      {"weight", " is 0, but must be finite, at least 1e-06, at most 1000000000000.",
+       [](Handle& h) { h.weight = 0, h.hard = true; }},
+      {"area_radius", " is inf, but must be finite, at least 0.",
+       [](Handle& h) { h.area_radius = kInfinity; }},
+      {"depth", " is -1e+31, but must be finite, at least -1e+30, at most 1e+30.",
+       [](Handle& h) { h.depth = -1e31; }},
+      {"depth_falloff", " is nan, but must be finite, at least 0.",
+       [](Handle& h) { h.depth_falloff = kNan; }},
+      {"position.y", " is inf, but must be finite.",
+       [](Handle& h) {
+         h.anchor = PointAnchor{{1, kInfinity}};
+       }},
+      {"triangle_point.barycentric", " has the weight -0.5, not between 0 and 1.",
+       [](Handle& h) {
+         h.anchor = TriangleAnchor{0, {0.75, 0.75, -0.5}};
+       }},
+      {"triangle_point.barycentric", " sums to 1.25, not to 1 within 1e-06.",
+       [](Handle& h) {
+         h.anchor = TriangleAnchor{0, {0.75, 0.25, 0.25}};
+       }},
+  };
+  for (const Bad& bad : cases) {
+    Handle handle = OnVertex("b", 1);
+    bad.spoil(handle);
+    const Fault fault = CompileFault(mesh, {OnVertex("a", 0), handle});
+    EXPECT_EQ(fault.kind, FaultKind::kInvalidOption) << bad.field;
+    EXPECT_EQ(fault.field, "handles[1]." + bad.field);
+    EXPECT_EQ(fault.message, fault.field + bad.message);
+    EXPECT_EQ(fault.elements, std::vector<std::uint32_t>{1}) << bad.field;
+    ASSERT_EQ(fault.details.size(), 1u) << bad.field;
+    EXPECT_EQ(fault.details[0].first, "value") << bad.field;
+  }
 }
 
 TEST(HandlesTest, SnapsToTheBoundaryWhenAsked) {
@@ -184,6 +228,12 @@ TEST(HandlesTest, BadTargetsAreNamedAndNothingIsLost) {
   const auto nan = deformer.Update(targets);
   EXPECT_EQ(nan.error().kind, FaultKind::kNonFiniteTarget);
   EXPECT_THAT(nan.error().message, HasSubstr("\"b\""));
+  EXPECT_EQ(nan.error().field, "targets[1].x");
+  targets = set->RestTargets();
+  targets[0].scale = 2 * Target::kMaxScale;
+  const auto large = deformer.Update(targets);
+  EXPECT_EQ(large.error().kind, FaultKind::kInvalidOption);
+  EXPECT_EQ(large.error().field, "targets[0].scale");
   EXPECT_EQ(deformer.Update(set->RestTargets(), {DeformMode::kRigid, 1001}).error().kind,
             FaultKind::kInvalidOption);
   EXPECT_TRUE(deformer.Update(set->RestTargets()).has_value());
@@ -205,14 +255,14 @@ TEST(HandlesTest, DepthFadesAndOrdersTheTriangles) {
   front.depth = 5;
   front.depth_falloff = 4;
   const auto set = Compile(Register(mesh), {front, OnVertex("back", 10)});
-  const auto depths = set->VertexDepths();
+  const auto depths = VertexDepths(*set);
   EXPECT_DOUBLE_EQ(depths[0], 5);
   EXPECT_DOUBLE_EQ(depths[2], 2.5);
   EXPECT_DOUBLE_EQ(depths[5], 0);
-  const auto order = set->DrawOrder();
+  const auto order = DrawOrder(*set);
   ASSERT_EQ(order.size(), mesh.triangles.size());
   EXPECT_LT(order.back(), 2u);  // the triangles of the first cell come last: in front
-  EXPECT_TRUE(Compile(Register(mesh), {OnVertex("a", 0)})->DrawOrder().empty());
+  EXPECT_TRUE(DrawOrder(*Compile(Register(mesh), {OnVertex("a", 0)})).empty());
 }
 
 TEST(HandlesTest, ABowtieIsWeldedAndTurnsAsOne) {

@@ -1,7 +1,8 @@
 // Rigid motions of the handles move every vertex rigidly, whatever the mesh, its size or its place.
-#include "tests/core/property/fixture.h"
+#include "tests/core/deform/fixture.h"
 #include "tests/support/compare.h"
 #include "tests/support/meshes.h"
+#include "tests/support/print.h"
 
 namespace arap::testing {
 namespace {
@@ -12,6 +13,8 @@ struct RigidCase {
   Complex offset;
   double tolerance;
 };
+
+void PrintTo(const RigidCase& c, std::ostream* out) { *out << c.name; }
 
 class RigidMotionTest : public ::testing::TestWithParam<RigidCase> {};
 
@@ -39,7 +42,7 @@ TEST_P(RigidMotionTest, MovesEveryVertexRigidly) {
         std::vector<Complex> expected;
         for (const Complex p : mesh.vertices) expected.push_back(move(p));
         EXPECT_LE(MaxDistance(deformer.positions(), expected), c.tolerance * diagonal)
-            << "basis " << static_cast<int>(basis) << " hard " << hard << " angle " << motion.angle;
+            << NameOf(basis) << " hard " << hard << " angle " << motion.angle;
         EXPECT_EQ(quality.flipped, 0u);
         EXPECT_NEAR(quality.max_stretch, 1, 1e-6);
       }
@@ -55,7 +58,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, RigidMotionTest,
                                            RigidCase{"v200_far", 13, {1e6, -1e6}, 1e-9},
                                            RigidCase{"v10k_far", 99, {1e6, 1e6}, 1e-9},
                                            RigidCase{"v50k_far", 223, {-1e6, 1e6}, 1e-9}),
-                         [](const auto& which) { return std::string(which.param.name); });
+                         ::testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace arap::testing

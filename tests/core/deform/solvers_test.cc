@@ -1,7 +1,8 @@
 // The two solvers, edits and fresh compilations all lead to the same minimiser.
-#include "tests/core/property/fixture.h"
+#include "tests/core/deform/fixture.h"
 #include "tests/support/compare.h"
 #include "tests/support/meshes.h"
+#include "tests/support/print.h"
 
 namespace arap::testing {
 namespace {
@@ -17,6 +18,10 @@ struct SolverCase {
   Weights weights;
   int hard;  // every so manyth handle is hard; 0: none
 };
+
+void PrintTo(const SolverCase& c, std::ostream* out) {
+  *out << NameOf(c.basis) << "_" << NameOf(c.weights) << "_hard_" << c.hard;
+}
 
 class SolversTest : public ::testing::TestWithParam<SolverCase> {};
 
@@ -83,7 +88,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, SolversTest,
                                            SolverCase{Basis::kEdgeAsPublished, Weights::kCotangent,
                                                       2},
                                            SolverCase{Basis::kFace, Weights::kCotangent, 1},
-                                           SolverCase{Basis::kVertex, Weights::kUniform, 4}));
+                                           SolverCase{Basis::kVertex, Weights::kUniform, 4}),
+                         ::testing::PrintToStringParamName());
 
 TEST(SolverChoiceTest, ManyRowsFactorDirectlyAndEditsCrossTheThreshold) {
   const PlanarMesh mesh = JitteredGrid(20, 15, 4);

@@ -1,4 +1,4 @@
-// Stopwatch: the processor time of one piece of work.
+// CpuTimer: the processor time of one piece of work.
 #pragma once
 
 #include <utility>
@@ -8,9 +8,9 @@
 namespace arap {
 
 // Of the calling thread, so that a busy machine does not change what it shows. About 0.2 µs a look.
-class Stopwatch {
+class CpuTimer {
  public:
-  Stopwatch() : last_(Now()) {}
+  CpuTimer() : last_(Now()) {}
   // Milliseconds since the start or the last lap.
   double Lap() {
     const double now = Now();
