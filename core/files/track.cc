@@ -68,19 +68,21 @@ bool ReadOptional(const Json& array, std::size_t count, std::vector<double>& out
   return ReadNumbers(array, count, out.data());
 }
 
-bool ReadGrip(const Json& json, TrackHandle& out) {
-  Handle& handle = out.handle;
-  out.own_weight = Member(json, "weight").is_number();
+bool ReadOptional(const Json& value, Outside& out) {
   bool snap = false;
-  const bool good = ReadOptional(Member(json, "weight"), handle.weight) &&
-                    ReadOptional(Member(json, "hard"), handle.hard) &&
-                    ReadOptional(Member(json, "oriented"), handle.oriented) &&
-                    ReadOptional(Member(json, "snap"), snap) &&
-                    ReadOptional(Member(json, "area_radius"), handle.area_radius) &&
-                    ReadOptional(Member(json, "depth"), handle.depth) &&
-                    ReadOptional(Member(json, "depth_falloff"), handle.depth_falloff);
-  if (snap) handle.outside = Outside::kSnap;
+  const bool good = ReadOptional(value, snap);
+  if (snap) out = Outside::kSnap;
   return good;
+}
+
+// The fields beside name and anchor; each may be missing.
+bool ReadFields(const Json& json, TrackHandle& out) {
+  out.own_weight = Member(json, "weight").is_number();
+  return std::ranges::all_of(kHandleFields, [&](const HandleField& field) {
+    const Json& value = Member(json, field.name);
+    return std::visit([&](auto member) { return ReadOptional(value, out.handle.*member); },
+                      field.member);
+  });
 }
 
 // `number` names a handle without a name.
@@ -105,7 +107,7 @@ Result<TrackHandle> ReadHandle(const Json& json, const std::string& where, std::
   } else {
     out.handle.anchor = PointAnchor{out.rest};
   }
-  if (!ReadGrip(json, out)) {
+  if (!ReadFields(json, out)) {
     return Bad(where +
                ": weight, area_radius, depth and depth_falloff are numbers; hard, oriented "
                "and snap are true or false");
@@ -213,12 +215,19 @@ Json ToJson(const TrackHandle& entry) {
   json["rest"] = {entry.rest.real(), entry.rest.imag()};
   std::visit(AnchorToJson{json}, handle.anchor);
   if (entry.own_weight) json["weight"] = handle.weight;
-  if (handle.hard) json["hard"] = true;
-  if (handle.oriented) json["oriented"] = true;
-  if (handle.outside == Outside::kSnap) json["snap"] = true;
-  if (handle.area_radius != 0) json["area_radius"] = handle.area_radius;
-  if (handle.depth != 0) json["depth"] = handle.depth;
-  if (handle.depth_falloff != 0) json["depth_falloff"] = handle.depth_falloff;
+  Handle plain;
+  plain.weight = handle.weight;
+  for (const HandleField& field : kHandleFields) {
+    const auto write = [&](auto member) {
+      if (handle.*member == plain.*member) return;
+      if constexpr (std::is_same_v<decltype(member), Outside Handle::*>) {
+        json[field.name] = true;
+      } else {
+        json[field.name] = handle.*member;
+      }
+    };
+    std::visit(write, field.member);
+  }
   return json;
 }
 

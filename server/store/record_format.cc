@@ -123,15 +123,20 @@ Json AnchorToJson(const Handle& handle) {
 }
 
 Json HandleToJson(const Handle& handle) {
-  return {{"id", handle.id},
-          {"anchor", AnchorToJson(handle)},
-          {"weight", ToJson(handle.weight)},
-          {"hard", handle.hard},
-          {"oriented", handle.oriented},
-          {"area_radius", ToJson(handle.area_radius)},
-          {"snap", handle.outside == Outside::kSnap},
-          {"depth", ToJson(handle.depth)},
-          {"depth_falloff", ToJson(handle.depth_falloff)}};
+  const auto value = [&](auto member) -> Json {
+    if constexpr (std::is_same_v<decltype(member), double Handle::*>) {
+      return ToJson(handle.*member);
+    } else if constexpr (std::is_same_v<decltype(member), bool Handle::*>) {
+      return handle.*member;
+    } else {
+      return handle.*member == Outside::kSnap;
+    }
+  };
+  Json json = {{"id", handle.id}, {"anchor", AnchorToJson(handle)}};
+  for (const HandleField& field : kHandleFields) {
+    json[field.name] = std::visit(value, field.member);
+  }
+  return json;
 }
 
 void ReadAnchor(RecordReader& reader, const Json& json, Handle& handle) {
@@ -158,17 +163,22 @@ void ReadAnchor(RecordReader& reader, const Json& json, Handle& handle) {
 
 Handle ReadHandle(RecordReader& reader, const Json& json) {
   Handle handle;
-  bool snap = false;
   reader.String(json, "id", handle.id);
   ReadAnchor(reader, reader.Object(json, "anchor"), handle);
-  reader.Double(reader.At(json, "weight"), handle.weight);
-  reader.Bool(json, "hard", handle.hard);
-  reader.Bool(json, "oriented", handle.oriented);
-  reader.Double(reader.At(json, "area_radius"), handle.area_radius);
-  reader.Bool(json, "snap", snap);
-  reader.Double(reader.At(json, "depth"), handle.depth);
-  reader.Double(reader.At(json, "depth_falloff"), handle.depth_falloff);
-  handle.outside = snap ? Outside::kSnap : Outside::kError;
+  for (const HandleField& field : kHandleFields) {
+    const auto read = [&](auto member) {
+      if constexpr (std::is_same_v<decltype(member), double Handle::*>) {
+        reader.Double(reader.At(json, field.name), handle.*member);
+      } else if constexpr (std::is_same_v<decltype(member), bool Handle::*>) {
+        reader.Bool(json, field.name, handle.*member);
+      } else {
+        bool snap = false;
+        reader.Bool(json, field.name, snap);
+        handle.*member = snap ? Outside::kSnap : Outside::kError;
+      }
+    };
+    std::visit(read, field.member);
+  }
   return handle;
 }
 

@@ -57,6 +57,22 @@ struct Handle {
   bool operator==(const Handle&) const = default;
 };
 
+// The fields of a handle beside its id and its anchor, by the names that records and track files
+// give them; "snap" is true for kSnap.
+struct HandleField {
+  const char* name;
+  std::variant<double Handle::*, bool Handle::*, Outside Handle::*> member;
+};
+inline constexpr HandleField kHandleFields[] = {
+    {"weight", &Handle::weight},
+    {"hard", &Handle::hard},
+    {"oriented", &Handle::oriented},
+    {"snap", &Handle::outside},
+    {"area_radius", &Handle::area_radius},
+    {"depth", &Handle::depth},
+    {"depth_falloff", &Handle::depth_falloff},
+};
+
 // Where a handle should go. Angle and scale are against the rest pose; oriented handles only.
 struct Target {
   static constexpr double kMaxScale = 1e6;
