@@ -6,6 +6,8 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <google/protobuf/message.h>
+#include <grpc/health/v1/health.pb.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
@@ -97,6 +99,8 @@ class Host::Impl {
   Result<std::vector<std::string>> Serve(const HostOptions& options) {
     const bool local = std::all_of(listen_.begin(), listen_.end(), IsLocal);
     if (options.reflection.value_or(local)) {
+      // What is not linked in, reflection cannot show: nothing else here names these messages.
+      google::protobuf::LinkMessageReflection<grpc::health::v1::HealthCheckRequest>();
       static std::once_flag once;
       std::call_once(once, grpc::reflection::InitProtoReflectionServerBuilderPlugin);
     }
