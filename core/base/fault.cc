@@ -135,6 +135,13 @@ std::string FaultName(FaultKind kind) {
   return name;
 }
 
+std::string_view DetailOf(const Fault& fault, std::string_view name) {
+  for (const auto& [key, value] : fault.details) {
+    if (key == name) return value;
+  }
+  return {};
+}
+
 Fault& Fault::Detail(std::string name, double value) & {
   return Detail(std::move(name), fmt::format("{}", value));
 }

@@ -5,10 +5,7 @@
 
 #include "core/base/names.h"
 #include "server/budget/faults.h"
-#include "server/rpc/convert_handles.h"
-#include "server/rpc/convert_mesh.h"
-#include "server/rpc/convert_session.h"
-#include "server/rpc/convert_shape.h"
+#include "server/rpc/convert.h"
 #include "server/rpc/handlers.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stream.h"
@@ -84,7 +81,8 @@ Status RegisterMesh(app::Engine& engine, const v1::RegisterMeshRequest& request,
   const runtime::WallTimer working;
   TRY(auto mesh,
       FromWire(request.mesh(), {engine.limits.max_vertices, engine.limits.max_triangles}));
-  TRY(const auto options, FromWire(request.energy(), Weights::kUniform, mesh.triangles.size()));
+  TRY(const auto options, FromWire(request.energy(), EnergyOptions{}));
+  CHECK_OK(convert::CheckRigidity(options, mesh.triangles.size()));
   TRY(const auto registration,
       app::RegisterMesh(engine, call.caller, request.session_id(), request.mesh_id(),
                         std::move(mesh), options, call.cancel));

@@ -4,9 +4,7 @@
 #include <arap/v1/flattening_service.grpc.pb.h>
 
 #include "server/flattening/prepared_surfaces.h"
-#include "server/rpc/convert_flatten.h"
-#include "server/rpc/convert_mesh.h"
-#include "server/rpc/convert_session.h"
+#include "server/rpc/convert.h"
 #include "server/rpc/handlers.h"
 #include "server/rpc/services.h"
 #include "server/rpc/unary.h"
@@ -19,12 +17,12 @@ Status Flatten(app::Engine& engine, const v1::FlattenRequest& request, const Cal
   const runtime::WallTimer working;
   const app::Limits& limits = engine.limits;
   CHECK_OK(CheckBudget(request, limits));
-  TRY(const auto options, FromWire(request, limits));
+  TRY(const auto options, FromWire(request, limits.max_refine));
   const MeshLimits bounds{limits.max_vertices, limits.max_triangles};
   TRY(auto mesh, FromWire(request.mesh(), bounds));
   auto answer = engine.surfaces.Flatten(call.caller, request.surface_key(), std::move(mesh),
                                         options, call.cancel);
-  if (!answer) return Fail(SpelledForFlatten(std::move(answer.error())));
+  if (!answer) return Fail(convert::SpelledForFlatten(std::move(answer.error())));
   CHECK_OK(ToWire(answer->flat, request, response));
   response->set_surface_cached(answer->cached);
   SetMicros(call.queue_micros, response->mutable_queue_time());

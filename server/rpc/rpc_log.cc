@@ -6,7 +6,7 @@
 #include <spdlog/spdlog.h>
 
 #include "core/base/names.h"
-#include "server/rpc/status_map.h"
+#include "proto/convert/status.h"
 #include "server/runtime/metrics.h"
 
 namespace arap::rpc {

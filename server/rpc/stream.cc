@@ -12,13 +12,12 @@
 
 #include "core/base/mutex.h"
 #include "core/base/try.h"
+#include "proto/convert/status.h"
 #include "server/budget/faults.h"
 #include "server/engine.h"
 #include "server/rpc/caller_of.h"
-#include "server/rpc/convert_handles.h"
-#include "server/rpc/convert_shape.h"
+#include "server/rpc/convert.h"
 #include "server/rpc/rpc_log.h"
-#include "server/rpc/status_map.h"
 #include "server/runtime/clock.h"
 #include "server/sessions/rebuild.h"
 #include "server/streams/live_set.h"
@@ -158,7 +157,7 @@ class StreamReactor final
         Write(std::move(write->answer));
       } else if (auto* finish = std::get_if<app::StreamFinish>(&step)) {
         end_status_ = std::move(finish->status);
-        Finish(end_status_ ? grpc::Status::OK : ToGrpcStatus(end_status_.error()));
+        Finish(end_status_ ? grpc::Status::OK : convert::ToGrpcStatus(end_status_.error()));
       } else {
         return;
       }
@@ -179,7 +178,7 @@ class StreamReactor final
     if (answer.kind == Kind::kError) {
       CountRefusal(*answer.fault, engine_.metrics);
       message.mutable_error()->set_sequence(answer.sequence);
-      *message.mutable_error()->mutable_status() = ToRpcStatus(*answer.fault);
+      *message.mutable_error()->mutable_status() = convert::ToRpcStatus(*answer.fault);
     }
     StartWrite(&message);
   }

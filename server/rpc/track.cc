@@ -16,13 +16,12 @@
 
 #include "core/base/mutex.h"
 #include "core/base/try.h"
+#include "proto/convert/status.h"
 #include "server/budget/faults.h"
 #include "server/engine.h"
 #include "server/rpc/caller_of.h"
-#include "server/rpc/convert_handles.h"
-#include "server/rpc/convert_shape.h"
+#include "server/rpc/convert.h"
 #include "server/rpc/rpc_log.h"
-#include "server/rpc/status_map.h"
 #include "server/runtime/clock.h"
 #include "server/sessions/rebuild.h"
 #include "server/streams/live_set.h"
@@ -127,7 +126,7 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
       end_status_ = Fail(*end_);
     }
     finished_ = true;
-    Finish(end_status_ ? grpc::Status::OK : ToGrpcStatus(end_status_.error()));
+    Finish(end_status_ ? grpc::Status::OK : convert::ToGrpcStatus(end_status_.error()));
   }
 
   // The jobs, without mutex_.

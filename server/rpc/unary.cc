@@ -3,9 +3,9 @@
 #include <utility>
 
 #include "core/base/names.h"
+#include "proto/convert/status.h"
 #include "server/budget/faults.h"
 #include "server/rpc/rpc_log.h"
-#include "server/rpc/status_map.h"
 #include "server/runtime/clock.h"
 #include "server/runtime/worker_pool.h"
 
@@ -78,7 +78,7 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
   void End(const Status& status) {
     pass_.reset();
     log_.End(status);
-    Finish(status ? grpc::Status::OK : ToGrpcStatus(status.error()));
+    Finish(status ? grpc::Status::OK : convert::ToGrpcStatus(status.error()));
   }
 
   app::Engine& engine_;

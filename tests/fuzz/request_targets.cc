@@ -6,8 +6,8 @@
 #include <arap/v1/server_service.pb.h>
 #include <grpcpp/support/status.h>
 
+#include "proto/convert/status.h"
 #include "server/rpc/handlers.h"
-#include "server/rpc/status_map.h"
 #include "tests/fuzz/bytes.h"
 #include "tests/fuzz/check.h"
 #include "tests/fuzz/targets.h"
@@ -49,7 +49,7 @@ void Handle(std::span<const std::uint8_t> bytes, bool fill_in) {
     return;
   }
   CheckFault(status.error());
-  const grpc::Status wire = rpc::ToGrpcStatus(status.error());
+  const grpc::Status wire = convert::ToGrpcStatus(status.error());
   Promise(!wire.ok(), "a fault is no success on the wire");
   Promise(!wire.error_details().empty(), "a fault has details on the wire");
 }

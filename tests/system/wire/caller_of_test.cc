@@ -9,8 +9,8 @@
 #include <arap/v1/server_service.grpc.pb.h>
 #include <grpcpp/grpcpp.h>
 
+#include "proto/convert/status.h"
 #include "server/host/tls.h"
-#include "server/rpc/status_map.h"
 #include "tests/support/fake_clock.h"
 #include "tests/system/wire/authority.h"
 #include "tests/system/wire/token_fixture.h"
@@ -34,7 +34,7 @@ class WhoAmI final : public v1::ServerService::CallbackService {
                             std::to_string(caller->limits.max_sessions));
     }
     auto* const reactor = context->DefaultReactor();
-    reactor->Finish(caller ? grpc::Status::OK : rpc::ToGrpcStatus(caller.error()));
+    reactor->Finish(caller ? grpc::Status::OK : convert::ToGrpcStatus(caller.error()));
     return reactor;
   }
 

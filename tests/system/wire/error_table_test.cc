@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/rpc/status_map.h"
+#include "proto/convert/status.h"
 #include "tests/system/wire/wire_fixture.h"
 
 namespace arap::rpc {
@@ -39,7 +39,7 @@ TEST(ErrorTableTest, SaysWhatTheCodeDoes) {
   std::map<std::string, std::string> code;
   for (int i = 0; i <= static_cast<int>(FaultKind::kInternal); ++i) {
     const auto kind = static_cast<FaultKind>(i);
-    const auto error = wire::Decode(ToGrpcStatus({kind, "A sentence."}));
+    const auto error = wire::Decode(convert::ToGrpcStatus({kind, "A sentence."}));
     const FaultInfo& info = InfoOf(kind);
     code[std::string(info.reason)] = std::string(CodeName(static_cast<int>(info.code))) + ", " +
                                      (error.retry_seconds > 0 ? "yes" : "no");

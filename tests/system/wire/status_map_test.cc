@@ -1,10 +1,9 @@
 // Every fault has its place on the wire.
-#include "server/rpc/status_map.h"
-
 #include <set>
 
 #include <arap/v1/errors.pb.h>
 
+#include "proto/convert/status.h"
 #include "tests/system/wire/wire_fixture.h"
 
 namespace arap::rpc {
@@ -38,7 +37,7 @@ TEST(StatusMapTest, DetailsTellEverything) {
                     .Field("triangles")
                     .Elements({7, 9});
   fault.Detail("limit", "1e-9");
-  const grpc::Status status = ToGrpcStatus(fault);
+  const grpc::Status status = convert::ToGrpcStatus(fault);
   const wire::WireError error =
       wire::ExpectError(status, grpc::INVALID_ARGUMENT, "DEGENERATE_TRIANGLE");
   EXPECT_EQ(error.message, "Triangle 7 has no area.");
@@ -46,7 +45,7 @@ TEST(StatusMapTest, DetailsTellEverything) {
   EXPECT_EQ(error.metadata.at("limit"), "1e-9");
   EXPECT_EQ(error.fields, std::vector<std::string>{"triangles"});
   const wire::WireError in_stream =
-      wire::ExpectError(ToRpcStatus(fault), grpc::INVALID_ARGUMENT, "DEGENERATE_TRIANGLE");
+      wire::ExpectError(convert::ToRpcStatus(fault), grpc::INVALID_ARGUMENT, "DEGENERATE_TRIANGLE");
   EXPECT_EQ(in_stream.metadata, error.metadata);
   EXPECT_EQ(in_stream.fields, error.fields);
 }
@@ -54,13 +53,13 @@ TEST(StatusMapTest, DetailsTellEverything) {
 TEST(StatusMapTest, OnlyWhatPassesIsToBeRetried) {
   for (int i = 0; i < kKinds; ++i) {
     const auto kind = static_cast<FaultKind>(i);
-    const wire::WireError error = wire::Decode(ToGrpcStatus({kind, "A sentence."}));
+    const wire::WireError error = wire::Decode(convert::ToGrpcStatus({kind, "A sentence."}));
     const bool passes = error.code == grpc::RESOURCE_EXHAUSTED || error.code == grpc::UNAVAILABLE;
     EXPECT_EQ(error.retry_seconds > 0, passes) << FaultName(kind);
     EXPECT_NE(error.code, grpc::OK);
     EXPECT_NE(error.code, grpc::UNKNOWN);
     const Fault of_the_request = Fault(kind, "A sentence.").Field("mesh.triangles");
-    EXPECT_EQ(wire::Decode(ToGrpcStatus(of_the_request)).retry_seconds, passes ? 3'600 : 0)
+    EXPECT_EQ(wire::Decode(convert::ToGrpcStatus(of_the_request)).retry_seconds, passes ? 3'600 : 0)
         << FaultName(kind);
   }
 }
@@ -70,7 +69,7 @@ TEST(StatusMapTest, LongTextsAreCutBetweenCharacters) {
   while (text.size() < 100'000) text += "ä";
   Fault fault = Fault(FaultKind::kUnknownHandle, "x" + text).Field(text);
   for (int i = 0; i < 100; ++i) fault.Detail("detail" + std::to_string(i), text);
-  const grpc::Status status = ToGrpcStatus(fault);
+  const grpc::Status status = convert::ToGrpcStatus(fault);
   EXPECT_LT(status.error_message().size() + status.error_details().size(), 5'000u);
   EXPECT_TRUE(status.error_message().ends_with("ä..."));
 }

@@ -113,6 +113,12 @@ std::optional<FaultKind> KindOfReason(std::string_view reason);
 // The reason in lower case, for logs and messages ("degenerate_triangle").
 std::string FaultName(FaultKind kind);
 
+// A fault that came from a server has these details too. The canonical code of its status, as its
+// upper-case name ("UNAVAILABLE"):
+inline constexpr std::string_view kGrpcCodeDetail = "grpc_code";
+// The milliseconds to wait before trying again, when the server gave a time:
+inline constexpr std::string_view kRetryDelayDetail = "retry_delay_ms";
+
 // A request beyond a limit is refused until somebody raises the limit.
 inline constexpr std::chrono::milliseconds kLimitRetry = std::chrono::hours(1);
 
@@ -170,5 +176,8 @@ struct Fault {
 
   bool operator==(const Fault&) const = default;
 };
+
+// The detail of that name, or empty. The view lives as long as the fault.
+std::string_view DetailOf(const Fault& fault, std::string_view name);
 
 }  // namespace arap

@@ -86,6 +86,44 @@ struct FlattenOptions {
   bool operator==(const FlattenOptions&) const = default;
 };
 
+// What the service computes unless a request says otherwise: FlattenOptions that are written out in
+// full, to be changed where something else is wanted. The ARAP energy is refined; the others are
+// the first step alone, and where nothing mends what anchors do to size and flips, there are none.
+inline constexpr int kServiceRefine = 20;
+inline constexpr double kServiceRefineStop = 1e-6;
+
+// Both steps. Basis::kFace, or a kEdge… for the paper's.
+inline FlattenOptions ArapOptions(Basis basis = Basis::kFace) {
+  FlattenOptions options;
+  options.energy.basis = basis;
+  options.refine = kServiceRefine;
+  options.refine_stop = kServiceRefineStop;
+  return options;
+}
+
+// The first step of the paper.
+inline FlattenOptions FirstStepOptions(Basis basis = Basis::kEdge) {
+  FlattenOptions options;
+  options.method = FlattenMethod::kFirstStep;
+  options.energy.basis = basis;
+  options.refine_stop = kServiceRefineStop;
+  return options;
+}
+
+// Least squares conformal maps.
+inline FlattenOptions LscmOptions() {
+  FlattenOptions options = FirstStepOptions(Basis::kFace);
+  options.anchors = FlattenAnchors::kSpectral;
+  return options;
+}
+
+// Angle-based flattening.
+inline FlattenOptions AbfOptions() {
+  FlattenOptions options = LscmOptions();
+  options.method = FlattenMethod::kAbf;
+  return options;
+}
+
 // Measures of a mapping, area-weighted with rest areas. s1 >= s2 are the singular values of a
 // triangle's Jacobian; both enter unsigned, except in the ARAP energy, where a flipped triangle has
 // s2 < 0.

@@ -84,6 +84,14 @@ struct Target {
   bool operator==(const Target&) const = default;
 };
 
+// A target with the handle that it is for.
+struct HandleTarget {
+  std::string handle_id;
+  Target target;
+
+  bool operator==(const HandleTarget&) const = default;
+};
+
 // A handle as it was found on the mesh.
 struct PlacedHandle {
   Handle handle;

@@ -1,0 +1,84 @@
+// The flat arrays of the wire as points and groups of numbers, and back.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <google/protobuf/repeated_field.h>
+
+#include "arap/base/result.h"
+#include "arap/model/mesh.h"
+
+namespace arap::convert {
+
+template <class Number>
+using Array = google::protobuf::RepeatedField<Number>;
+
+template <class To, class From>
+std::vector<To> Values(const Array<From>& from) {
+  return std::vector<To>(from.begin(), from.end());
+}
+
+// x y x y… as points; the last number of an odd length is left out.
+template <class Number>
+std::vector<Complex> Points(const Array<Number>& numbers) {
+  std::vector<Complex> points(static_cast<std::size_t>(numbers.size() / 2));
+  const Number* next = numbers.data();
+  for (Complex& point : points) {
+    point = {static_cast<double>(next[0]), static_cast<double>(next[1])};
+    next += 2;
+  }
+  return points;
+}
+
+// Numbers in groups of a fixed size; what does not fill the last group is left out.
+template <class To, std::size_t kCount, class From>
+std::vector<std::array<To, kCount>> Groups(const Array<From>& numbers) {
+  std::vector<std::array<To, kCount>> groups(static_cast<std::size_t>(numbers.size()) / kCount);
+  const From* next = numbers.data();
+  for (std::array<To, kCount>& group : groups) {
+    std::copy_n(next, kCount, group.begin());
+    next += kCount;
+  }
+  return groups;
+}
+
+template <class Number, class Range>
+void Append(const Range& values, Array<Number>* out) {
+  out->Add(values.begin(), values.end());
+}
+
+template <class Number>
+void AppendPoints(std::span<const Complex> points, Array<Number>* out) {
+  out->Reserve(out->size() + static_cast<int>(2 * points.size()));
+  for (const Complex point : points) {
+    out->AddAlreadyReserved(static_cast<Number>(point.real()));
+    out->AddAlreadyReserved(static_cast<Number>(point.imag()));
+  }
+}
+
+template <class Number, class From, std::size_t kCount>
+void AppendGroups(const std::vector<std::array<From, kCount>>& groups, Array<Number>* out) {
+  out->Reserve(out->size() + static_cast<int>(kCount * groups.size()));
+  for (const auto& group : groups) {
+    for (const From value : group) out->AddAlreadyReserved(static_cast<Number>(value));
+  }
+}
+
+// Positions of a result, x y x y…, in place of what `out` holds. kNumerical when one is not finite
+// in the precision of the field; `out` is then empty.
+Status PackPoints(std::span<const Complex> points, Array<float>* out);
+Status PackPoints(std::span<const Complex> points, Array<double>* out);
+
+// kInvalidOption for a value of an enumeration that this version does not know.
+Fault UnknownValue(const std::string& field, int value);
+
+// kArrayLength unless `length` is a multiple of `group`.
+Status CheckGroups(int length, int group, const std::string& field);
+
+}  // namespace arap::convert

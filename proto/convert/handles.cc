@@ -1,0 +1,180 @@
+#include "proto/convert/handles.h"
+
+#include <algorithm>
+#include <variant>
+
+#include <arap/v1/deformation_service.pb.h>
+#include <fmt/format.h>
+
+#include "core/base/try.h"
+#include "proto/convert/arrays.h"
+
+namespace arap::convert {
+namespace {
+
+Complex FromWire(const v1::Point& point) { return {point.x(), point.y()}; }
+
+void ToWire(Complex point, v1::Point* out) {
+  out->set_x(point.real());
+  out->set_y(point.imag());
+}
+
+Result<TriangleAnchor> FromWire(const v1::TrianglePoint& point, const std::string& path) {
+  const int length = point.barycentric_size();
+  if (length != 3) {
+    const std::string field = path + ".triangle_point.barycentric";
+    return Fail(
+        Fault(FaultKind::kArrayLength, fmt::format("{} has {} numbers, not 3.", field, length))
+            .Field(field)
+            .Detail("length", length)
+            .Detail("expected", 3));
+  }
+  return TriangleAnchor{point.triangle(),
+                        {point.barycentric(0), point.barycentric(1), point.barycentric(2)}};
+}
+
+using Anchor = decltype(Handle::anchor);
+
+Result<Anchor> AnchorOf(const v1::Handle& handle, const std::string& path) {
+  switch (handle.anchor_case()) {
+    case v1::Handle::kVertex:
+      return VertexAnchor{handle.vertex()};
+    case v1::Handle::kTrianglePoint: {
+      TRY(const TriangleAnchor anchor, FromWire(handle.triangle_point(), path));
+      return anchor;
+    }
+    case v1::Handle::kPosition:
+      return PointAnchor{FromWire(handle.position())};
+    case v1::Handle::ANCHOR_NOT_SET:
+      break;
+  }
+  return Fail(Fault(FaultKind::kInvalidOption,
+                    path + " has no anchor: give vertex, triangle_point or position.")
+                  .Field(path));
+}
+
+struct AnchorToWire {
+  v1::Handle* out;
+
+  void operator()(const VertexAnchor& anchor) const { out->set_vertex(anchor.vertex); }
+  void operator()(const TriangleAnchor& anchor) const {
+    out->mutable_triangle_point()->set_triangle(anchor.triangle);
+    Append(anchor.barycentric, out->mutable_triangle_point()->mutable_barycentric());
+  }
+  void operator()(const PointAnchor& anchor) const {
+    ToWire(anchor.position, out->mutable_position());
+  }
+};
+
+Result<Outside> FromWire(v1::OutsidePolicy policy, const std::string& path) {
+  switch (policy) {
+    case v1::OUTSIDE_POLICY_UNSPECIFIED:
+    case v1::OUTSIDE_POLICY_ERROR:
+      return Outside::kError;
+    case v1::OUTSIDE_POLICY_SNAP:
+      return Outside::kSnap;
+    default:
+      return Fail(UnknownValue(path + ".outside", policy));
+  }
+}
+
+Status CheckColumns(int length, std::size_t expected, const std::string& field) {
+  if (static_cast<std::size_t>(length) == expected) return {};
+  return Fail(Fault(FaultKind::kArrayLength,
+                    fmt::format("{} has {} numbers, not {}.", field, length, expected))
+                  .Field(field)
+                  .Detail("length", length)
+                  .Detail("expected", expected));
+}
+
+}  // namespace
+
+Result<Handle> FromWire(const v1::Handle& handle, const std::string& path) {
+  Handle out;
+  out.id = handle.handle_id();
+  TRY(out.anchor, AnchorOf(handle, path));
+  if (handle.has_weight()) out.weight = handle.weight();
+  out.hard = handle.hard();
+  out.oriented = handle.oriented();
+  out.area_radius = handle.area_radius();
+  TRY(out.outside, FromWire(handle.outside(), path));
+  out.depth = handle.depth();
+  out.depth_falloff = handle.depth_falloff();
+  return out;
+}
+
+void ToWire(const Handle& handle, v1::Handle* out) {
+  out->set_handle_id(handle.id);
+  std::visit(AnchorToWire{out}, handle.anchor);
+  out->set_weight(handle.weight);
+  out->set_hard(handle.hard);
+  out->set_oriented(handle.oriented);
+  out->set_area_radius(handle.area_radius);
+  out->set_outside(handle.outside == Outside::kSnap ? v1::OUTSIDE_POLICY_SNAP
+                                                    : v1::OUTSIDE_POLICY_ERROR);
+  out->set_depth(handle.depth);
+  out->set_depth_falloff(handle.depth_falloff);
+}
+
+PlacedHandle FromWire(const v1::HandleInfo& info) {
+  PlacedHandle placed;
+  placed.handle.id = info.handle_id();
+  placed.rest = FromWire(info.rest());
+  placed.snapped_distance = info.snapped_distance();
+  placed.component = info.component();
+  return placed;
+}
+
+void ToWire(const PlacedHandle& placed, v1::HandleInfo* out) {
+  out->set_handle_id(placed.handle.id);
+  ToWire(placed.rest, out->mutable_rest());
+  out->set_snapped_distance(placed.snapped_distance);
+  out->set_component(placed.component);
+}
+
+Target TargetFromWire(const v1::HandleTarget& target) {
+  return {
+      {target.x(), target.y()}, target.angle_radians(), target.has_scale() ? target.scale() : 1};
+}
+
+void ToWire(const HandleTarget& target, v1::HandleTarget* out) {
+  out->set_handle_id(target.handle_id);
+  out->set_x(target.target.position.real());
+  out->set_y(target.target.position.imag());
+  out->set_angle_radians(target.target.angle);
+  out->set_scale(target.target.scale);
+}
+
+Result<std::vector<Target>> FromWire(const v1::TrackFrame& frame, std::size_t columns,
+                                     const std::string& path) {
+  CHECK_OK(CheckColumns(frame.positions_size(), 2 * columns, path + ".positions"));
+  const bool angles = frame.angles_radians_size() > 0;
+  if (angles) {
+    CHECK_OK(CheckColumns(frame.angles_radians_size(), columns, path + ".angles_radians"));
+  }
+  const bool scales = frame.scales_size() > 0;
+  if (scales) CHECK_OK(CheckColumns(frame.scales_size(), columns, path + ".scales"));
+  std::vector<Target> targets(columns);
+  for (int i = 0; i < static_cast<int>(columns); ++i) {
+    Target& target = targets[static_cast<std::size_t>(i)];
+    target.position = {frame.positions(2 * i), frame.positions(2 * i + 1)};
+    if (angles) target.angle = frame.angles_radians(i);
+    if (scales) target.scale = frame.scales(i);
+  }
+  return targets;
+}
+
+void ToWire(std::span<const Target> targets, v1::TrackFrame* out) {
+  const bool angles = std::any_of(targets.begin(), targets.end(),
+                                  [](const Target& target) { return target.angle != 0; });
+  const bool scales = std::any_of(targets.begin(), targets.end(),
+                                  [](const Target& target) { return target.scale != 1; });
+  for (const Target& target : targets) {
+    out->add_positions(target.position.real());
+    out->add_positions(target.position.imag());
+    if (angles) out->add_angles_radians(target.angle);
+    if (scales) out->add_scales(target.scale);
+  }
+}
+
+}  // namespace arap::convert

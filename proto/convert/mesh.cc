@@ -1,0 +1,175 @@
+#include "proto/convert/mesh.h"
+
+#include <arap/v1/deformation_service.pb.h>
+#include <arap/v1/geometry.pb.h>
+#include <fmt/format.h>
+
+#include "core/base/try.h"
+#include "proto/convert/arrays.h"
+
+namespace arap::convert {
+namespace {
+
+Status CheckArray(int length, int group, const char* field, std::size_t limit, const char* quota) {
+  CHECK_OK(CheckGroups(length, group, field));
+  const auto count = static_cast<std::size_t>(length / group);
+  if (count <= limit) return {};
+  return Fail(Fault(FaultKind::kMeshTooLarge, fmt::format("{} has {} elements, more than {} of {}.",
+                                                          field, count, quota, limit))
+                  .Field(field)
+                  .Detail("count", count)
+                  .Detail("quota", quota)
+                  .Detail("limit", limit));
+}
+
+template <class Mesh>
+Status CheckArrays(const Mesh& mesh, int dimension, const MeshLimits& limits) {
+  CHECK_OK(CheckArray(mesh.vertices_size(), dimension, "mesh.vertices", limits.max_vertices,
+                      "max_vertices"));
+  return CheckArray(mesh.triangles_size(), 3, "mesh.triangles", limits.max_triangles,
+                    "max_triangles");
+}
+
+v1::Basis ToWire(Basis basis) {
+  switch (basis) {
+    case Basis::kEdge:
+      return v1::BASIS_EDGE;
+    case Basis::kEdgeAsPublished:
+      return v1::BASIS_EDGE_AS_PUBLISHED;
+    case Basis::kFace:
+      return v1::BASIS_FACE;
+    case Basis::kVertex:
+      return v1::BASIS_VERTEX;
+  }
+  return v1::BASIS_UNSPECIFIED;
+}
+
+Result<Basis> FromWire(v1::Basis basis, Basis unspecified) {
+  switch (basis) {
+    case v1::BASIS_UNSPECIFIED:
+      return unspecified;
+    case v1::BASIS_EDGE:
+      return Basis::kEdge;
+    case v1::BASIS_EDGE_AS_PUBLISHED:
+      return Basis::kEdgeAsPublished;
+    case v1::BASIS_FACE:
+      return Basis::kFace;
+    case v1::BASIS_VERTEX:
+      return Basis::kVertex;
+    default:
+      return Fail(UnknownValue("energy.basis", basis));
+  }
+}
+
+v1::EdgeWeights ToWire(Weights weights) {
+  return weights == Weights::kUniform ? v1::EDGE_WEIGHTS_UNIFORM : v1::EDGE_WEIGHTS_COTANGENT;
+}
+
+Result<Weights> FromWire(v1::EdgeWeights weights, Weights unspecified) {
+  switch (weights) {
+    case v1::EDGE_WEIGHTS_UNSPECIFIED:
+      return unspecified;
+    case v1::EDGE_WEIGHTS_UNIFORM:
+      return Weights::kUniform;
+    case v1::EDGE_WEIGHTS_COTANGENT:
+      return Weights::kCotangent;
+    default:
+      return Fail(UnknownValue("energy.weights", weights));
+  }
+}
+
+}  // namespace
+
+Result<PlanarMesh> FromWire(const v1::PlanarMesh& mesh, const MeshLimits& limits) {
+  CHECK_OK(CheckArrays(mesh, 2, limits));
+  return PlanarMesh{Points(mesh.vertices()), Groups<std::uint32_t, 3>(mesh.triangles())};
+}
+
+Result<SurfaceMesh> FromWire(const v1::SurfaceMesh& mesh, const MeshLimits& limits) {
+  CHECK_OK(CheckArrays(mesh, 3, limits));
+  return SurfaceMesh{Groups<double, 3>(mesh.vertices()),
+                     Groups<std::uint32_t, 3>(mesh.triangles())};
+}
+
+void ToWire(const PlanarMesh& mesh, v1::PlanarMesh* out) {
+  AppendPoints(mesh.vertices, out->mutable_vertices());
+  AppendGroups(mesh.triangles, out->mutable_triangles());
+}
+
+void ToWire(const SurfaceMesh& mesh, v1::SurfaceMesh* out) {
+  AppendGroups(mesh.vertices, out->mutable_vertices());
+  AppendGroups(mesh.triangles, out->mutable_triangles());
+}
+
+Result<EnergyOptions> FromWire(const v1::EnergyOptions& energy, EnergyOptions defaults) {
+  EnergyOptions out;
+  TRY(out.basis, FromWire(energy.basis(), defaults.basis));
+  TRY(out.weights, FromWire(energy.weights(), defaults.weights));
+  out.rigidity = Values<double>(energy.rigidity());
+  return out;
+}
+
+Status CheckRigidity(const EnergyOptions& energy, std::size_t triangles) {
+  const std::size_t length = energy.rigidity.size();
+  if (length == 0 || length == triangles) return {};
+  return Fail(
+      Fault(FaultKind::kArrayLength,
+            fmt::format("energy.rigidity has {} numbers for {} triangles.", length, triangles))
+          .Field("energy.rigidity")
+          .Detail("length", length)
+          .Detail("expected", triangles));
+}
+
+void ToWire(const EnergyOptions& energy, v1::EnergyOptions* out) {
+  out->set_basis(ToWire(energy.basis));
+  out->set_weights(ToWire(energy.weights));
+  Append(energy.rigidity, out->mutable_rigidity());
+}
+
+std::vector<Warning> FromWire(const google::protobuf::RepeatedPtrField<v1::Warning>& warnings) {
+  std::vector<Warning> out;
+  for (const v1::Warning& warning : warnings) {
+    out.push_back({warning.kind(), warning.count(), Values<std::uint32_t>(warning.elements()),
+                   warning.message()});
+  }
+  return out;
+}
+
+void ToWire(const std::vector<Warning>& warnings,
+            google::protobuf::RepeatedPtrField<v1::Warning>* out) {
+  for (const Warning& warning : warnings) {
+    v1::Warning& added = *out->Add();
+    added.set_kind(warning.kind);
+    added.set_count(warning.count);
+    Append(warning.elements, added.mutable_elements());
+    added.set_message(warning.message);
+  }
+}
+
+RegistrationReport ReportFromWire(const v1::MeshInfo& mesh) {
+  RegistrationReport report;
+  report.vertices = mesh.vertex_count();
+  report.triangles = mesh.triangle_count();
+  report.edges = mesh.edge_count();
+  report.components = mesh.component_count();
+  report.boundary_loops = mesh.boundary_loop_count();
+  report.area = mesh.area();
+  report.diagonal = mesh.diagonal();
+  report.warnings = FromWire(mesh.warnings());
+  report.bytes = mesh.bytes();
+  return report;
+}
+
+void ToWire(const RegistrationReport& report, v1::MeshInfo* out) {
+  out->set_vertex_count(report.vertices);
+  out->set_triangle_count(report.triangles);
+  out->set_edge_count(report.edges);
+  out->set_component_count(report.components);
+  out->set_boundary_loop_count(report.boundary_loops);
+  out->set_area(report.area);
+  out->set_diagonal(report.diagonal);
+  ToWire(report.warnings, out->mutable_warnings());
+  out->set_bytes(report.bytes);
+}
+
+}  // namespace arap::convert

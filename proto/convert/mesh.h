@@ -1,0 +1,47 @@
+// Meshes, energy options and what is said about them, between the model and the wire. Only what the
+// model has no form for is checked here; the rest is for the core to judge.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "arap/base/result.h"
+#include "arap/model/energy.h"
+#include "arap/model/mesh.h"
+
+namespace google::protobuf {
+template <typename T>
+class RepeatedPtrField;
+}
+namespace arap::v1 {
+class EnergyOptions;
+class MeshInfo;
+class PlanarMesh;
+class SurfaceMesh;
+class Warning;
+}  // namespace arap::v1
+
+namespace arap::convert {
+
+// Faults: kArrayLength with the field, and kMeshTooLarge before anything is copied.
+Result<PlanarMesh> FromWire(const v1::PlanarMesh& mesh, const MeshLimits& limits);
+Result<SurfaceMesh> FromWire(const v1::SurfaceMesh& mesh, const MeshLimits& limits);
+void ToWire(const PlanarMesh& mesh, v1::PlanarMesh* out);
+void ToWire(const SurfaceMesh& mesh, v1::SurfaceMesh* out);
+
+// `defaults` stands for what is not specified. kInvalidOption for a value that this version does
+// not know.
+Result<EnergyOptions> FromWire(const v1::EnergyOptions& energy, EnergyOptions defaults);
+// kArrayLength for a rigidity that is neither empty nor one per triangle.
+Status CheckRigidity(const EnergyOptions& energy, std::size_t triangles);
+void ToWire(const EnergyOptions& energy, v1::EnergyOptions* out);
+
+std::vector<Warning> FromWire(const google::protobuf::RepeatedPtrField<v1::Warning>& warnings);
+void ToWire(const std::vector<Warning>& warnings,
+            google::protobuf::RepeatedPtrField<v1::Warning>* out);
+
+// The wire has no clamped_weights; a warning tells of them.
+RegistrationReport ReportFromWire(const v1::MeshInfo& mesh);
+void ToWire(const RegistrationReport& report, v1::MeshInfo* out);
+
+}  // namespace arap::convert
