@@ -41,8 +41,8 @@ int Complain(const Fault& fault) {
 
 int ExitCode(const Status& done) { return done ? kOk : Complain(done.error()); }
 
-void PrintWarnings(const std::vector<client::Warning>& warnings) {
-  for (const client::Warning& warning : warnings) {
+void PrintWarnings(const std::vector<Warning>& warnings) {
+  for (const Warning& warning : warnings) {
     fmt::print(stderr, "arapctl: warning: {}: {}\n", warning.kind, warning.message);
   }
 }

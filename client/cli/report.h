@@ -29,7 +29,7 @@ int Complain(const Fault& fault);
 // kOk, or Complain.
 int ExitCode(const Status& done);
 // Prints what the server repaired or ignored on standard error.
-void PrintWarnings(const std::vector<client::Warning>& warnings);
+void PrintWarnings(const std::vector<Warning>& warnings);
 
 // A line on standard error that is overwritten as the work goes on. Silent unless it is a terminal.
 class Progress {

@@ -1,12 +1,117 @@
 #include "client/src/channel.h"
 
+#include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <fstream>
+#include <iterator>
+#include <string_view>
+#include <system_error>
 #include <utility>
+#include <vector>
 
-#include "client/src/credentials.h"
+#include <grpcpp/security/credentials.h>
+#include <grpcpp/support/client_interceptor.h>
+
+#include "core/base/try.h"
 
 namespace arap::client::internal {
 namespace {
+
+using grpc::experimental::ClientInterceptorFactoryInterface;
+using grpc::experimental::InterceptionHookPoints;
+using grpc::experimental::Interceptor;
+
+using Interceptors = std::vector<std::unique_ptr<ClientInterceptorFactoryInterface>>;
+
+Fault Bad(const char* field, const std::string& message) {
+  return Fault(FaultKind::kInvalidOption, message).Field(field);
+}
+
+// Whatever grpc connects to without leaving this machine.
+bool IsLocal(std::string_view address) {
+  if (address.starts_with("unix:")) return true;
+  const std::string_view host = address.substr(0, address.rfind(':'));
+  return host == "localhost" || host == "[::1]" ||
+         (host.starts_with("127.") &&
+          host.find_first_not_of("0123456789.") == std::string_view::npos);
+}
+
+// An empty text for no path.
+Result<std::string> Slurp(const std::string& path, const char* field) {
+  if (path.empty()) return std::string();
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (file.is_open() && !file.bad() && !text.empty()) return text;
+  const std::string why = errno != 0 ? std::generic_category().message(errno) : "it is empty";
+  return Fail(Bad(field, path + " cannot be read: " + why + "."));
+}
+
+class Sender final : public Interceptor {
+ public:
+  explicit Sender(const std::string& value) : value_(value) {}
+
+  void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override {
+    if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_INITIAL_METADATA)) {
+      methods->GetSendInitialMetadata()->emplace("authorization", value_);
+    }
+    methods->Proceed();
+  }
+
+ private:
+  const std::string& value_;
+};
+
+class SenderFactory final : public ClientInterceptorFactoryInterface {
+ public:
+  explicit SenderFactory(const std::string& token) : value_("Bearer " + token) {}
+
+  Interceptor* CreateClientInterceptor(grpc::experimental::ClientRpcInfo* /*info*/) override {
+    return new Sender(value_);
+  }
+
+ private:
+  const std::string value_;  // lives as long as the channel, which the calls keep
+};
+
+// kInvalidOption with the field: a certificate without key or the other way round, a token that is
+// none or that would travel in plaintext to another machine.
+Status Check(const std::string& address, const ConnectOptions& options) {
+  if (options.certificate.empty() != options.key.empty()) {
+    return Fail(Bad(options.key.empty() ? "key" : "certificate",
+                    "A client certificate and its key have to be given together."));
+  }
+  // What a header can carry.
+  const bool clean = std::all_of(options.token.begin(), options.token.end(),
+                                 [](char c) { return c > ' ' && c <= '~'; });
+  if (!clean) return Fail(Bad("token", "The token has characters that no token has."));
+  if (!options.token.empty() && !options.wants_tls() && !options.token_in_plaintext &&
+      !IsLocal(address)) {
+    return Fail(Bad("token", "The token would go to " + address +
+                                 " in plaintext, for everyone on the way to read: use TLS."));
+  }
+  return {};
+}
+
+// Reads the files. kInvalidOption with the field for one that cannot be read.
+Result<std::shared_ptr<grpc::ChannelCredentials>> CredentialsOf(const ConnectOptions& options) {
+  if (!options.wants_tls()) return grpc::InsecureChannelCredentials();
+  grpc::SslCredentialsOptions files;
+  TRY(files.pem_root_certs, Slurp(options.root_certificates, "root_certificates"));
+  TRY(files.pem_private_key, Slurp(options.key, "key"));
+  TRY(files.pem_cert_chain, Slurp(options.certificate, "certificate"));
+  return grpc::SslCredentials(files);
+}
+
+// What adds the token to every call, on secure channels and others. Empty without a token.
+Interceptors TokenSender(const ConnectOptions& options) {
+  Interceptors interceptors;
+  if (!options.token.empty()) {
+    interceptors.push_back(std::make_unique<SenderFactory>(options.token));
+  }
+  return interceptors;
+}
 
 // Room for the largest meshes and shapes that a server may be told to allow.
 constexpr int kMaxMessageBytes = 256 << 20;
@@ -32,16 +137,14 @@ Channel::Channel(const std::string& address)
 
 Result<std::shared_ptr<Channel>> Channel::Open(const std::string& address,
                                                const ConnectOptions& options) {
-  if (auto good = Check(address, options); !good) return Fail(std::move(good.error()));
-  auto credentials = CredentialsOf(options);
-  if (!credentials) return Fail(std::move(credentials.error()));
+  CHECK_OK(Check(address, options));
+  TRY(const auto credentials, CredentialsOf(options));
   grpc::ChannelArguments arguments = Arguments();
   if (!options.server_name.empty()) arguments.SetSslTargetNameOverride(options.server_name);
-  return std::shared_ptr<Channel>(
-      new Channel([address, credentials = *std::move(credentials), arguments, options] {
-        return grpc::experimental::CreateCustomChannelWithInterceptors(
-            address, credentials, arguments, TokenSender(options));
-      }));
+  return std::shared_ptr<Channel>(new Channel([address, credentials, arguments, options] {
+    return grpc::experimental::CreateCustomChannelWithInterceptors(address, credentials, arguments,
+                                                                   TokenSender(options));
+  }));
 }
 
 std::shared_ptr<Channel> Channel::Another() const {

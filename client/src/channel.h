@@ -8,13 +8,12 @@
 
 #include <grpcpp/grpcpp.h>
 
-#include "arap/client/call_options.h"
-#include "arap/client/connect_options.h"
-#include "arap/client/error.h"
+#include "arap/client/call.h"
+#include "arap/client/client.h"
 #include "arap/v1/deformation_service.grpc.pb.h"
 #include "arap/v1/flattening_service.grpc.pb.h"
 #include "arap/v1/server_service.grpc.pb.h"
-#include "client/src/status.h"
+#include "proto/convert/status.h"
 
 namespace arap::client::internal {
 
@@ -22,7 +21,8 @@ class Channel {
  public:
   // Plaintext, without a token.
   explicit Channel(const std::string& address);
-  // Faults as Check in credentials.h.
+  // kInvalidOption with the field: a file that cannot be read, a certificate without key or the
+  // other way round, a token that is none or that would travel in plaintext to another machine.
   static Result<std::shared_ptr<Channel>> Open(const std::string& address,
                                                const ConnectOptions& options);
 
@@ -59,7 +59,7 @@ Result<Response> Call(Stub& stub,
   const std::stop_callback cancel(call.stop, [&context] { context.TryCancel(); });
   Response response;
   const grpc::Status status = (stub.*method)(&context, request, &response);
-  if (!status.ok()) return Fail(FaultOf(status));
+  if (!status.ok()) return Fail(convert::FaultOf(status));
   return response;
 }
 

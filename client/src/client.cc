@@ -1,16 +1,38 @@
 #include "arap/client/client.h"
 
+#include <array>
+#include <cstdint>
+#include <random>
+#include <string_view>
 #include <utility>
 
 #include "client/src/channel.h"
 #include "client/src/convert.h"
-#include "client/src/session_id.h"
+#include "core/base/try.h"
+#include "proto/convert/flatten.h"
+#include "proto/convert/mesh.h"
+#include "proto/convert/time.h"
 
 namespace arap::client {
 
 using internal::Call;
 using internal::FromWire;
-using internal::ToWire;
+
+namespace {
+
+// 128 random bits in hexadecimal, from the system's generator: the id is all that keeps others out.
+std::string NewSessionId() {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::random_device random;
+  std::string id;
+  for (int word = 0; word < 4; ++word) {
+    std::uint32_t bits = random();
+    for (int digit = 0; digit < 8; ++digit, bits >>= 4) id.push_back(kDigits[bits & 15]);
+  }
+  return id;
+}
+
+}  // namespace
 
 Client::Client(std::shared_ptr<internal::Channel> channel) : channel_(std::move(channel)) {}
 
@@ -19,14 +41,13 @@ Client Client::Connect(const std::string& address) {
 }
 
 Result<Client> Client::Connect(const std::string& address, const ConnectOptions& options) {
-  auto channel = internal::Channel::Open(address, options);
-  if (!channel) return Fail(std::move(channel.error()));
-  return Client(*std::move(channel));
+  TRY(auto channel, internal::Channel::Open(address, options));
+  return Client(std::move(channel));
 }
 
 Status Client::WaitReady(std::chrono::milliseconds timeout) const {
   if (channel_->grpc().WaitForConnected(std::chrono::system_clock::now() + timeout)) return {};
-  return Fail(FaultKind::kDeadlineExceeded, "no connection to the server in time");
+  return Fail(FaultKind::kDeadlineExceeded, "No connection to the server in time.");
 }
 
 Result<ServerInfo> Client::GetServerInfo(const CallOptions& call) const {
@@ -37,10 +58,10 @@ Result<ServerInfo> Client::GetServerInfo(const CallOptions& call) const {
 
 Result<Session> Client::CreateSession(const SessionOptions& options,
                                       const CallOptions& call) const {
-  const std::string id = options.id.empty() ? internal::NewSessionId() : options.id;
+  const std::string id = options.id.empty() ? NewSessionId() : options.id;
   v1::CreateSessionRequest request;
   request.set_session_id(id);
-  if (options.ttl) ToWire(*options.ttl, request.mutable_ttl());
+  if (options.ttl) convert::ToWire(*options.ttl, request.mutable_ttl());
   request.mutable_labels()->insert(options.labels.begin(), options.labels.end());
   return Call(channel_->deformation(), &v1::DeformationService::Stub::CreateSession, request, call,
               id)
@@ -65,13 +86,21 @@ Result<SessionPage> Client::ListSessions(std::uint32_t page_size, const std::str
       });
 }
 
-Result<FlatSurface> Client::Flatten(const SurfaceMesh& mesh, const FlattenOptions& options,
+Result<FlatSurface> Client::Flatten(const SurfaceMesh& mesh, const FlattenQuery& query,
                                     const CallOptions& call) const {
   v1::FlattenRequest request;
-  ToWire(mesh, request.mutable_mesh());
-  ToWire(options, &request);
-  return Call(channel_->flattening(), &v1::FlatteningService::Stub::Flatten, request, call)
-      .map([](const v1::FlattenResponse& response) { return FromWire(response); });
+  convert::ToWire(mesh, request.mutable_mesh());
+  convert::ToWire(query.options, &request);
+  request.set_surface_key(query.surface_key);
+  request.set_include_first_step(query.first_step);
+  request.set_include_singular_values(query.singular_values);
+  request.set_float64(query.float64);
+  TRY(const v1::FlattenResponse response,
+      Call(channel_->flattening(), &v1::FlatteningService::Stub::Flatten, request, call));
+  TRY(Flattening flat, convert::FromWire(response));
+  return FlatSurface{std::move(flat), response.surface_cached(),
+                     convert::Micros(response.queue_time()),
+                     convert::Micros(response.solve_time())};
 }
 
 }  // namespace arap::client

@@ -3,12 +3,15 @@
 #include <utility>
 
 #include "arap/client/session.h"
+#include "client/src/convert.h"
 #include "client/src/deform_stream_impl.h"
+#include "proto/convert/arrays.h"
+#include "proto/convert/handles.h"
 
 namespace arap::client {
 
-using internal::Append;
-using internal::ToWire;
+using convert::AppendPoints;
+using convert::ToWire;
 
 Result<DeformStream> Session::OpenStream(const std::string& handle_set_id,
                                          const StreamOptions& options,
@@ -18,17 +21,9 @@ Result<DeformStream> Session::OpenStream(const std::string& handle_set_id,
   open.set_handle_set_id(handle_set_id);
   open.set_delivery(options.delivery == Delivery::kEvery ? v1::DELIVERY_EVERY
                                                          : v1::DELIVERY_LATEST);
-  ToWire(options.deform, open.mutable_options());
+  internal::ToWire(options.shape, open.mutable_options());
   auto impl = std::make_unique<DeformStream::Impl>(channel_, options, call, std::move(open));
   return impl->Open().map([&] { return DeformStream(std::move(impl)); });
-}
-
-Result<DeformStream> Session::OpenStream(const std::string& handle_set_id, Delivery delivery,
-                                         const DeformOptions& options,
-                                         const CallOptions& call) const {
-  StreamOptions quiet{delivery, options};
-  quiet.heartbeat = {};
-  return OpenStream(handle_set_id, quiet, call);
 }
 
 DeformStream::DeformStream(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -43,8 +38,8 @@ Status DeformStream::Send(const HandleUpdate& update) {
   v1::HandleUpdate& out = *request.mutable_update();
   out.set_sequence(update.sequence);
   for (const HandleTarget& target : update.targets) ToWire(target, out.add_targets());
-  Append(std::span(update.positions), out.mutable_positions());
-  Append(std::span(update.pick_points), out.mutable_pick_points());
+  AppendPoints(update.positions, out.mutable_positions());
+  AppendPoints(update.pick_points, out.mutable_pick_points());
   return impl_->Send(std::move(request));
 }
 

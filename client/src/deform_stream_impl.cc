@@ -1,30 +1,49 @@
 #include "client/src/deform_stream_impl.h"
 
+#include <algorithm>
+#include <random>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "client/src/convert.h"
+#include "core/base/try.h"
+#include "proto/convert/status.h"
+
 namespace arap::client {
-
-using internal::FaultOf;
-using internal::FromWire;
-
 namespace {
 
-std::optional<std::chrono::system_clock::time_point> DeadlineOf(const CallOptions& call) {
+using convert::FaultOf;
+using internal::FromWire;
+using std::chrono::milliseconds;
+using WallClock = std::chrono::system_clock;
+
+constexpr milliseconds kFirstPause{50};
+constexpr milliseconds kLongestPause{2'000};
+
+// Clients of one server that died do not come back all at the same moment.
+milliseconds Jittered(milliseconds pause) {
+  std::random_device random;
+  return milliseconds(
+      std::uniform_int_distribution<milliseconds::rep>(pause.count() / 2, pause.count())(random));
+}
+
+std::optional<WallClock::time_point> DeadlineOf(const CallOptions& call) {
   if (!call.timeout) return std::nullopt;
-  return std::chrono::system_clock::now() + *call.timeout;
+  return WallClock::now() + *call.timeout;
 }
 
-auto NotGrown(std::uint64_t sequence) {
-  return Fail(Fault(FaultKind::kInvalidOption,
-                    fmt::format("The sequence {} has not grown; on a stream that resumes it tells "
-                                "the answers apart.",
-                                sequence))
-                  .Field("sequence"));
+Fault NotGrown(std::uint64_t sequence) {
+  return Fault(FaultKind::kInvalidOption,
+               fmt::format("The sequence {} has not grown; on a stream that resumes it tells the "
+                           "answers apart.",
+                           sequence))
+      .Field("sequence");
 }
 
-auto Over() { return Fail(FaultKind::kProtocol, "the stream is over; reading tells why"); }
+Fault Closed() { return {FaultKind::kProtocol, "Sending on this stream was closed."}; }
+Fault Over() { return {FaultKind::kProtocol, "The stream is over; reading tells why."}; }
+Fault Cancelled() { return {FaultKind::kCancelled, "The stream was cancelled."}; }
 
 }  // namespace
 
@@ -33,77 +52,74 @@ DeformStream::Impl::Impl(std::shared_ptr<internal::Channel> channel, const Strea
     : options_(options),
       deadline_(DeadlineOf(call)),
       open_message_(std::move(open)),
-      channel_(std::move(channel)) {
+      channel_(std::move(channel)),
+      life_(options.heartbeat, options.silence) {
   if (resumes()) log_.emplace(options_.delivery == Delivery::kLatest);
   if (options_.heartbeat.count() > 0) {
-    watch_ = std::jthread([this](const std::stop_token& stop) { Watch(stop); });
+    watch_ = std::jthread([this] { Watch(); });
   }
 }
 
-DeformStream::Impl::~Impl() { Cancel(); }
-
 Status DeformStream::Impl::Open() {
   bool lost = false;
-  auto opened = OpenCall(&lost);
-  if (!opened) return Fail(std::move(opened.error()));
-  handle_set_ = *std::move(opened);
-  const std::lock_guard lock(mutex_);
+  TRY(handle_set_, OpenCall(&lost));
+  const MutexLock lock(&mutex_);
   open_ = true;
   return {};
 }
 
 Status DeformStream::Impl::Send(v1::StreamDeformRequest request) {
-  std::unique_lock lock(mutex_);
-  if (sending_closed_) return Fail(FaultKind::kProtocol, "sending on this stream was closed");
-  if (options_.delivery == Delivery::kEvery) {
-    changed_.wait(lock, [this] { return open_ || end_ || cancelled_; });
+  std::shared_ptr<Call> call;
+  {
+    const MutexLock lock(&mutex_);
+    if (sending_closed_) return Fail(Closed());
+    const bool waits = options_.delivery == Delivery::kEvery;
+    while (waits && !open_ && !end_ && !cancelled_) changed_.Wait(&mutex_);
+    if (end_ || cancelled_) return Fail(Over());
+    if (log_ && !log_->Sent(request)) return Fail(NotGrown(internal::SequenceOf(request)));
+    if (!open_) return {};
+    call = call_;
+    call->Push(std::move(request));
   }
-  if (end_ || cancelled_) return Over();
-  if (log_ && !log_->Sent(request)) return NotGrown(internal::SequenceOf(request));
-  if (!open_) return {};
-  const std::shared_ptr<Call> call = call_;
-  call->Push(std::move(request));
-  lock.unlock();
   // What a lost call has not sent is said again on the next one.
-  if (!call->WaitSent() && !resumes()) return Over();
+  if (!call->WaitSent() && !resumes()) return Fail(Over());
   return {};
 }
 
 Status DeformStream::Impl::Ping(std::uint64_t nonce) {
-  const std::lock_guard lock(mutex_);
-  if (sending_closed_) return Fail(FaultKind::kProtocol, "sending on this stream was closed");
-  if (end_ || cancelled_) return Over();
+  const MutexLock lock(&mutex_);
+  if (sending_closed_) return Fail(Closed());
+  if (end_ || cancelled_) return Fail(Over());
   PushPing(nonce);
   return {};
 }
 
 Status DeformStream::Impl::CloseSending() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   if (std::exchange(sending_closed_, true)) return {};
-  if (end_ || cancelled_) return Over();
+  if (end_ || cancelled_) return Fail(Over());
   if (open_) call_->PushEnd();
   return {};
 }
 
 void DeformStream::Impl::Cancel() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   cancelled_ = true;
   if (call_) call_->Cancel();
-  changed_.notify_all();
+  changed_.SignalAll();
 }
 
 void DeformStream::Impl::End(Status status) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   end_ = std::move(status);
   open_ = false;
-  changed_.notify_all();
+  changed_.SignalAll();
 }
 
 bool DeformStream::Impl::Next(Call& call, v1::StreamDeformResponse* response) {
   const auto wait = [this](bool waiting) {
-    const std::lock_guard lock(mutex_);
-    waiting_ = waiting;
-    heard_ = Clock::now();
+    const MutexLock lock(&mutex_);
+    life_.SetWaiting(waiting, Clock::now());
   };
   wait(true);
   const bool got = call.Read(response);
@@ -112,11 +128,11 @@ bool DeformStream::Impl::Next(Call& call, v1::StreamDeformResponse* response) {
 }
 
 Status DeformStream::Impl::EndOf(const Call& call, bool* lost) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   *lost = silent_ || internal::IsLost(call.status());
   if (*lost && cancelled_) {
     *lost = false;
-    return Fail(FaultKind::kCancelled, "the stream was cancelled");
+    return Fail(Cancelled());
   }
   if (*lost && silent_) {
     Fault fault(FaultKind::kDraining,
@@ -132,7 +148,7 @@ Result<std::optional<StreamEvent>> DeformStream::Impl::Read() {
   for (;;) {
     std::shared_ptr<Call> call;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(&mutex_);
       if (end_ && !*end_) return Fail(end_->error());
       if (end_) return std::optional<StreamEvent>();
       call = call_;
@@ -160,22 +176,25 @@ Result<std::optional<StreamEvent>> DeformStream::Impl::Read() {
   }
 }
 
+bool DeformStream::Impl::Known(std::uint64_t sequence, bool good) {
+  const MutexLock lock(&mutex_);
+  const bool seen = log_ && !log_->Answered(sequence, good);
+  if (trouble_ && (good || !seen) && sequence >= trouble_->last_said) trouble_.reset();
+  return seen;
+}
+
 Result<std::optional<StreamEvent>> DeformStream::Impl::EventOf(
     const v1::StreamDeformResponse& response) {
-  const auto known = [this](std::uint64_t sequence, bool good) {
-    const std::lock_guard lock(mutex_);
-    const bool seen = log_ && !log_->Answered(sequence, good);
-    if (trouble_ && (good || !seen) && sequence >= trouble_->last_said) trouble_.reset();
-    return seen;
-  };
   switch (response.payload_case()) {
     case v1::StreamDeformResponse::kShape:
-      if (known(response.shape().sequence(), true)) return std::optional<StreamEvent>();
-      return std::optional<StreamEvent>(FromWire(response.shape()));
+      if (Known(response.shape().sequence(), true)) return std::optional<StreamEvent>();
+      return FromWire(response.shape()).map([](Shape&& shape) {
+        return std::optional<StreamEvent>(std::move(shape));
+      });
     case v1::StreamDeformResponse::kError: {
       Fault fault = FaultOf(response.error().status());
       // What had worked does not work again: the shapes would be others.
-      if (known(response.error().sequence(), false)) return Fail(std::move(fault));
+      if (Known(response.error().sequence(), false)) return Fail(std::move(fault));
       return std::optional<StreamEvent>(UpdateError{response.error().sequence(), std::move(fault)});
     }
     case v1::StreamDeformResponse::kPong:
@@ -184,7 +203,131 @@ Result<std::optional<StreamEvent>> DeformStream::Impl::EventOf(
     case v1::StreamDeformResponse::PAYLOAD_NOT_SET:
       break;
   }
-  return Fail(FaultKind::kInternal, "the server sent a message that does not belong here");
+  return Fail(FaultKind::kInternal, "The server sent a message that does not belong here.");
+}
+
+Result<HandleSetInfo> DeformStream::Impl::OpenCall(bool* lost) {
+  const auto call = std::make_shared<Call>(*channel_, [this](grpc::ClientContext& context) {
+    internal::Prepare(context, {}, open_message_.session_id());
+    if (deadline_) context.set_deadline(*deadline_);
+  });
+  v1::StreamDeformRequest request;
+  *request.mutable_open() = open_message_;
+  call->Push(std::move(request));
+  std::shared_ptr<Call> old;  // may have to end yet, which is not to be waited for with mutex_ held
+  {
+    const MutexLock lock(&mutex_);
+    old = std::exchange(call_, call);
+    silent_ = false;
+    life_.Restart(Clock::now());
+    if (cancelled_) call->Cancel();
+  }
+  old.reset();
+  // The server may have much to compute before it has opened; meanwhile it answers pings.
+  v1::StreamDeformResponse response;
+  while (Next(*call, &response)) {
+    if (response.has_opened()) return FromWire(response.opened().handle_set());
+    if (!response.has_pong()) {
+      return Fail(FaultKind::kInternal, "The server answered before it opened the stream.");
+    }
+    TakePong();
+  }
+  CHECK_OK(EndOf(*call, lost));
+  return Fail(FaultKind::kInternal, "The server ended the stream without opening it.");
+}
+
+Result<StreamEvent> DeformStream::Impl::Resume(Fault fault) {
+  bool silent = false;
+  {
+    const MutexLock lock(&mutex_);
+    open_ = false;
+    silent = silent_;
+  }
+  // Who is lost again before it has caught up comes back neither at once nor for ever.
+  const bool again = trouble_ && Clock::now() - trouble_->opened < options_.resume_within;
+  if (!again) trouble_ = Trouble{Clock::now() + options_.resume_within, kFirstPause};
+  for (std::uint32_t attempts = 1;; ++attempts) {
+    if (again || attempts > 1) {
+      CHECK_OK(Pause(fault));
+    }
+    if (silent) channel_ = channel_->Another();
+    bool lost = false;
+    auto opened = OpenCall(&lost);
+    const MutexLock lock(&mutex_);
+    if (opened) {
+      SayAgain();
+      return Resumed{*std::move(opened), attempts};
+    }
+    fault = std::move(opened.error());
+    if (!lost && !internal::IsFull(fault)) return Fail(std::move(fault));
+    silent = silent_;
+  }
+}
+
+Status DeformStream::Impl::Pause(const Fault& last) {
+  milliseconds pause = Jittered(trouble_->pause);
+  if (Clock::now() + pause >= trouble_->until) return Fail(last);
+  trouble_->pause = std::min(2 * trouble_->pause, kLongestPause);
+  if (deadline_) {
+    const auto left = *deadline_ - WallClock::now();
+    pause = std::min(pause, std::chrono::ceil<milliseconds>(left));
+  }
+  const Clock::time_point end = Clock::now() + pause;
+  const MutexLock lock(&mutex_);
+  while (!cancelled_) {
+    if (changed_.WaitUntil(&mutex_, end)) return {};
+  }
+  return Fail(Cancelled());
+}
+
+void DeformStream::Impl::SayAgain() {
+  std::vector<v1::StreamDeformRequest> messages = log_->Messages();
+  if (messages.empty()) {
+    trouble_.reset();
+  } else {
+    trouble_->opened = Clock::now();
+    trouble_->last_said = internal::SequenceOf(messages.back());
+  }
+  for (v1::StreamDeformRequest& message : messages) call_->Push(std::move(message));
+  open_ = true;
+  for (const std::uint64_t nonce : life_.Unanswered()) SendPing(nonce);
+  if (sending_closed_) call_->PushEnd();
+  changed_.SignalAll();
+}
+
+void DeformStream::Impl::SendPing(std::uint64_t nonce) {
+  v1::StreamDeformRequest request;
+  request.mutable_ping()->set_nonce(nonce);
+  call_->Push(std::move(request));
+}
+
+void DeformStream::Impl::PushPing(std::optional<std::uint64_t> nonce) {
+  life_.Ask(nonce, open_, Clock::now());
+  if (open_ || !nonce) SendPing(nonce.value_or(0));
+}
+
+std::optional<StreamEvent> DeformStream::Impl::TakePong() {
+  const MutexLock lock(&mutex_);
+  const std::optional<std::uint64_t> nonce = life_.Answered();
+  if (!nonce) return std::nullopt;
+  return Pong{*nonce};
+}
+
+void DeformStream::Impl::Watch() {
+  const auto tick = std::max(std::min(options_.heartbeat, options_.silence) / 2, milliseconds(1));
+  const MutexLock lock(&mutex_);
+  while (!end_ && !cancelled_) {
+    const Clock::time_point now = Clock::now();
+    if (call_ && life_.IsSilent(now)) {
+      silent_ = true;
+      call_->Cancel();
+    } else if (call_ && !(open_ && sending_closed_) && life_.IsDue(call_->is_clear(), now)) {
+      PushPing(std::nullopt);
+    }
+    const Clock::time_point next = now + tick;
+    while (!end_ && !cancelled_ && !changed_.WaitUntil(&mutex_, next)) {
+    }
+  }
 }
 
 }  // namespace arap::client

@@ -1,30 +1,29 @@
-// What a DeformStream holds: the call of the moment, and what outlives it.
+// DeformStream::Impl: the stream behind its public face.
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
-#include <deque>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <stop_token>
 #include <thread>
 
+#include "arap/client/deform_stream.h"
 #include "client/src/channel.h"
-#include "client/src/convert.h"
 #include "client/src/replay_log.h"
+#include "client/src/signs_of_life.h"
 #include "client/src/stream_call.h"
+#include "core/base/mutex.h"
 
 namespace arap::client {
 
-// The reader's thread opens calls, the first and those after a loss; senders push on the call of
-// the moment; a thread of its own asks for signs of life.
+// What a DeformStream holds: the call of the moment, and what outlives it. The reader's thread
+// opens calls, the first and those after a loss; senders push on the call of the moment; a thread
+// of its own asks for signs of life.
 class DeformStream::Impl {
  public:
   Impl(std::shared_ptr<internal::Channel> channel, const StreamOptions& options,
        const CallOptions& call, v1::OpenStream open);
-  ~Impl();
+  ~Impl() { Cancel(); }
 
   // Opens the first call. Once, first.
   Status Open();
@@ -58,18 +57,21 @@ class DeformStream::Impl {
   Status EndOf(const Call& call, bool* lost);
   // The event of a message; nothing when it is not the user's.
   Result<std::optional<StreamEvent>> EventOf(const v1::StreamDeformResponse& response);
+  // Notes the answer to a sequence. Whether there was one before.
+  bool Known(std::uint64_t sequence, bool good);
   std::optional<StreamEvent> TakePong();
   // Opens again after the loss that `fault` tells of, for as long as the options say. The event, or
   // the last fault.
   Result<StreamEvent> Resume(Fault fault);
   // Waits before the next attempt. The fault with which to give up: `last` or kCancelled.
   Status Pause(const Fault& last);
-  void SayAgain();  // with mutex_ held
+  void SayAgain() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void End(Status status);
-  void Watch(const std::stop_token& stop);
-  // With mutex_ held: asks now or, the user's, when the call is open; only asks.
-  void PushPing(std::optional<std::uint64_t> nonce);
-  void SendPing(std::uint64_t nonce);
+  // Asks for signs of life until the stream ends.
+  void Watch();
+  // Asks now or, the user's, when the call is open; only asks.
+  void PushPing(std::optional<std::uint64_t> nonce) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void SendPing(std::uint64_t nonce) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const StreamOptions options_;
   const std::optional<std::chrono::system_clock::time_point> deadline_;
@@ -79,20 +81,16 @@ class DeformStream::Impl {
   std::shared_ptr<internal::Channel> channel_;
   std::optional<Trouble> trouble_;
 
-  std::mutex mutex_;
-  std::condition_variable_any changed_;
-  // All below is guarded by mutex_.
-  std::shared_ptr<Call> call_;
-  bool open_ = false;  // call_ may be pushed on
-  bool sending_closed_ = false;
-  bool cancelled_ = false;
-  std::optional<internal::ReplayLog> log_;          // when it resumes
-  std::deque<std::optional<std::uint64_t>> pings_;  // without answer; our own have no nonce
-  bool waiting_ = false;                            // somebody reads
-  bool silent_ = false;                             // for so long that call_ was given up
-  Clock::time_point heard_;                         // while waiting_, since when nothing was heard
-  Clock::time_point asked_;                         // for a sign of life, or the opening
-  std::optional<Status> end_;                       // how the stream ended
+  Mutex mutex_;
+  CondVar changed_;
+  std::shared_ptr<Call> call_ ABSL_GUARDED_BY(mutex_);
+  bool open_ ABSL_GUARDED_BY(mutex_) = false;  // call_ may be pushed on
+  bool sending_closed_ ABSL_GUARDED_BY(mutex_) = false;
+  bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
+  bool silent_ ABSL_GUARDED_BY(mutex_) = false;  // for so long that call_ was given up
+  std::optional<internal::ReplayLog> log_ ABSL_GUARDED_BY(mutex_);  // when it resumes
+  internal::SignsOfLife life_ ABSL_GUARDED_BY(mutex_);
+  std::optional<Status> end_ ABSL_GUARDED_BY(mutex_);  // how the stream ended
 
   std::jthread watch_;  // last: it uses all of the above
 };

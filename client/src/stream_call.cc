@@ -1,32 +1,34 @@
 #include "client/src/stream_call.h"
 
+#include <string>
+#include <string_view>
 #include <utility>
 
 namespace arap::client::internal {
 
 StreamCall::~StreamCall() {
-  std::unique_lock lock(mutex_);
+  const MutexLock lock(&mutex_);
   if (!done_) context_.TryCancel();
   if (!reading_) EndReading();
-  changed_.wait(lock, [this] { return done_; });
+  while (!done_) changed_.Wait(&mutex_);
 }
 
 // The hold is what allows reads and writes to be started from outside.
 void StreamCall::EndReading() {
   if (std::exchange(over_, true)) return;
   RemoveHold();
-  changed_.notify_all();
+  changed_.SignalAll();
 }
 
 void StreamCall::Push(Request request) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   if (over_ || broken_) return;
   unsent_.push_back(std::move(request));
   WriteNext();
 }
 
 void StreamCall::PushEnd() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   end_wanted_ = true;
   WriteNext();
 }
@@ -42,51 +44,70 @@ void StreamCall::WriteNext() {
 }
 
 bool StreamCall::WaitSent() {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return over_ || broken_ || unsent_.empty(); });
+  const MutexLock lock(&mutex_);
+  while (!over_ && !broken_ && !unsent_.empty()) changed_.Wait(&mutex_);
   return !over_ && !broken_;
 }
 
 bool StreamCall::is_clear() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   return !over_ && !broken_ && unsent_.empty();
 }
 
 bool StreamCall::Read(Response* response) {
-  std::unique_lock lock(mutex_);
+  const MutexLock lock(&mutex_);
   if (!over_ && !reading_ && !got_) {
     reading_ = true;
     StartRead(&incoming_);
   }
-  changed_.wait(lock, [this] { return got_ || (over_ && done_); });
+  while (!got_ && !(over_ && done_)) changed_.Wait(&mutex_);
   if (!std::exchange(got_, false)) return false;
   response->Swap(&incoming_);
   return true;
 }
 
 void StreamCall::OnReadDone(bool ok) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   reading_ = false;
   got_ = ok;
   if (!ok) EndReading();
-  changed_.notify_all();
+  changed_.SignalAll();
 }
 
 void StreamCall::OnWriteDone(bool ok) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   writing_ = false;
   broken_ = !ok;
   unsent_.pop_front();
   WriteNext();
-  changed_.notify_all();
+  changed_.SignalAll();
 }
 
 void StreamCall::OnDone(const grpc::Status& status) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(&mutex_);
   status_ = status;
   done_ = true;
   // Under the lock: the object may go as soon as it is let go of.
-  changed_.notify_all();
+  changed_.SignalAll();
 }
+
+bool IsLost(const grpc::Status& status) {
+  const auto says = [&](std::string_view words) {
+    return status.error_message().find(words) != std::string::npos;
+  };
+  switch (status.error_code()) {
+    case grpc::StatusCode::UNAVAILABLE:
+    case grpc::StatusCode::CANCELLED:  // a server that stops, haproxy
+      return true;
+    case grpc::StatusCode::UNKNOWN:
+      return says("No status received");
+    case grpc::StatusCode::INTERNAL:
+      return says("RST_STREAM");
+    default:
+      return false;
+  }
+}
+
+bool IsFull(const Fault& fault) { return DetailOf(fault, kGrpcCodeDetail) == "RESOURCE_EXHAUSTED"; }
 
 }  // namespace arap::client::internal

@@ -1,13 +1,12 @@
 // StreamCall: one StreamDeform call, from its start to its end.
 #pragma once
 
-#include <condition_variable>
 #include <deque>
-#include <mutex>
 
 #include <grpcpp/grpcpp.h>
 
 #include "client/src/channel.h"
+#include "core/base/mutex.h"
 
 namespace arap::client::internal {
 
@@ -53,25 +52,31 @@ class StreamCall final
   void OnWriteDone(bool ok) override;
   void OnDone(const grpc::Status& status) override;
 
-  // With mutex_ held.
-  void WriteNext();
-  void EndReading();
+  void WriteNext() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void EndReading() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   grpc::ClientContext context_;
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
-  // All below is guarded by mutex_.
-  std::deque<Request> unsent_;  // the first one is being written while writing_
-  bool writing_ = false;
-  bool end_wanted_ = false;  // of sending
-  bool end_sent_ = false;
-  bool broken_ = false;  // a write has failed
-  Response incoming_;    // gRPC's while reading_
-  bool reading_ = false;
-  bool got_ = false;   // incoming_ is to be taken
-  bool over_ = false;  // nothing may be started any more
-  bool done_ = false;
-  grpc::Status status_;  // set with done_
+  mutable Mutex mutex_;
+  CondVar changed_;
+  // The first one is being written while writing_.
+  std::deque<Request> unsent_ ABSL_GUARDED_BY(mutex_);
+  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
+  bool end_wanted_ ABSL_GUARDED_BY(mutex_) = false;  // of sending
+  bool end_sent_ ABSL_GUARDED_BY(mutex_) = false;
+  bool broken_ ABSL_GUARDED_BY(mutex_) = false;  // a write has failed
+  Response incoming_ ABSL_GUARDED_BY(mutex_);    // gRPC's while reading_
+  bool reading_ ABSL_GUARDED_BY(mutex_) = false;
+  bool got_ ABSL_GUARDED_BY(mutex_) = false;   // incoming_ is to be taken
+  bool over_ ABSL_GUARDED_BY(mutex_) = false;  // nothing may be started any more
+  bool done_ ABSL_GUARDED_BY(mutex_) = false;
+  grpc::Status status_;  // set with done_, then constant
 };
+
+// Whether a stream that ended so, and that we did not cancel, was lost and may go on elsewhere: its
+// server is gone or going away, or a proxy says so in its own words.
+bool IsLost(const grpc::Status& status);
+
+// Whether there was no room, and later may be.
+bool IsFull(const Fault& fault);
 
 }  // namespace arap::client::internal

@@ -51,7 +51,7 @@ TEST_F(ClientLibrary, SessionsAreMadeListedAndDeleted) {
   const auto gone = client().AttachSession(session->id()).Get();
   ASSERT_FALSE(gone);
   EXPECT_EQ(gone.error().kind, FaultKind::kNotFound);
-  EXPECT_EQ(client::Detail(gone.error(), client::kGrpcCodeDetail), "NOT_FOUND");
+  EXPECT_EQ(client::DetailOf(gone.error(), client::kGrpcCodeDetail), "NOT_FOUND");
 }
 
 TEST_F(ClientLibrary, MeshesAreSharedAndForgotten) {
@@ -59,9 +59,9 @@ TEST_F(ClientLibrary, MeshesAreSharedAndForgotten) {
   const auto first = session.RegisterMesh(Mesh(), {}, "one");
   ASSERT_TRUE(first) << first.error().message;
   EXPECT_EQ(first->mesh.id, "one");
-  EXPECT_EQ(first->mesh.vertex_count, Mesh().vertex_count());
-  EXPECT_EQ(first->mesh.component_count, 1u);
-  EXPECT_DOUBLE_EQ(first->mesh.area, 64);
+  EXPECT_EQ(first->mesh.report.vertices, Mesh().vertices.size());
+  EXPECT_EQ(first->mesh.report.components, 1u);
+  EXPECT_DOUBLE_EQ(first->mesh.report.area, 64);
   const auto second = session.RegisterMesh(Mesh(), {}, "two");
   ASSERT_TRUE(second);
   EXPECT_TRUE(second->shared);
@@ -69,7 +69,7 @@ TEST_F(ClientLibrary, MeshesAreSharedAndForgotten) {
   const auto known = session.GetMesh("two");
   ASSERT_TRUE(known) << known.error().message;
   EXPECT_EQ(known->energy.basis, client::Basis::kEdge);
-  EXPECT_EQ(known->energy.weights, client::EdgeWeights::kUniform);
+  EXPECT_EQ(known->energy.weights, client::Weights::kUniform);
   ASSERT_TRUE(session.DeleteMesh("two"));
   EXPECT_EQ(session.GetMesh("two").error().kind, FaultKind::kNotFound);
 }
@@ -81,10 +81,10 @@ TEST_F(ClientLibrary, HandlesAreCompiledEditedAndForgotten) {
   ASSERT_TRUE(known) << known.error().message;
   EXPECT_EQ(known->mesh_id, "mesh");
   ASSERT_THAT(known->handles, SizeIs(2));
-  EXPECT_EQ(known->handles[1].id, "right");
-  EXPECT_EQ(known->handles[1].rest_x, 8);
+  EXPECT_EQ(known->handles[1].handle.id, "right");
+  EXPECT_EQ(known->handles[1].rest, Complex(8, 0));
 
-  client::Handle top{"top", client::PointAnchor{4, 7.5}};
+  client::Handle top{"top", client::PointAnchor{{4, 7.5}}};
   const std::vector<std::string> remove{"left"};
   const auto edited = session.EditHandles("set", remove, std::vector{top});
   ASSERT_TRUE(edited) << edited.error().message;
@@ -101,23 +101,23 @@ TEST_F(ClientLibrary, HandlesAreCompiledEditedAndForgotten) {
 TEST_F(ClientLibrary, DeformTranslatesAndRefuses) {
   const Session session = NewSession();
   Compile(session, "set");
-  const std::vector<client::HandleTarget> targets{{"left", 10, 20}, {"right", 18, 20}};
+  const std::vector<client::HandleTarget> targets{{"left", {{10, 20}}}, {"right", {{18, 20}}}};
   const auto shape = session.Deform("set", targets, {.float64 = true});
   ASSERT_TRUE(shape) << shape.error().message;
   const client::PlanarMesh mesh = Mesh();
   ASSERT_EQ(shape->positions.size(), mesh.vertices.size());
-  for (std::size_t i = 0; i < mesh.vertices.size(); i += 2) {
-    EXPECT_NEAR(shape->positions[i], mesh.vertices[i] + 10, 1e-6);
-    EXPECT_NEAR(shape->positions[i + 1], mesh.vertices[i + 1] + 20, 1e-6);
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    EXPECT_NEAR(shape->positions[i].real(), mesh.vertices[i].real() + 10, 1e-6);
+    EXPECT_NEAR(shape->positions[i].imag(), mesh.vertices[i].imag() + 20, 1e-6);
   }
-  EXPECT_EQ(shape->flipped_count, 0u);
-  EXPECT_NEAR(shape->max_stretch, 1, 1e-6);
+  EXPECT_EQ(shape->quality.flipped, 0u);
+  EXPECT_NEAR(shape->quality.max_stretch, 1, 1e-6);
 
   const auto too_few = session.Deform("set", std::vector{targets[0]}, {});
   ASSERT_FALSE(too_few);
   EXPECT_EQ(too_few.error().kind, FaultKind::kTargetCount);
-  const auto unknown =
-      session.Deform("set", std::vector<client::HandleTarget>{{"left", 0, 0}, {"x", 0, 0}}, {});
+  const auto unknown = session.Deform(
+      "set", std::vector<client::HandleTarget>{{"left", {{0, 0}}}, {"x", {{0, 0}}}}, {});
   ASSERT_FALSE(unknown);
   EXPECT_EQ(unknown.error().kind, FaultKind::kUnknownHandle);
 }
@@ -125,26 +125,26 @@ TEST_F(ClientLibrary, DeformTranslatesAndRefuses) {
 TEST_F(ClientLibrary, PicksAreAnswered) {
   const Session session = NewSession();
   Compile(session, "set");
-  const std::vector<client::HandleTarget> targets{{"left", 10, 20}, {"right", 18, 20}};
-  const std::vector<double> pick{14.25, 20.5, -50, -50};
+  const std::vector<client::HandleTarget> targets{{"left", {{10, 20}}}, {"right", {{18, 20}}}};
+  const std::vector<Complex> pick{{14.25, 20.5}, {-50, -50}};
   const auto shape = session.Deform("set", targets, {}, pick);
   ASSERT_TRUE(shape) << shape.error().message;
   ASSERT_THAT(shape->picks, SizeIs(2));
-  EXPECT_TRUE(shape->picks[0].hit);
-  EXPECT_NEAR(shape->picks[0].rest_x, 4.25, 1e-4);
-  EXPECT_NEAR(shape->picks[0].rest_y, 0.5, 1e-4);
-  EXPECT_FALSE(shape->picks[1].hit);
+  ASSERT_TRUE(shape->picks[0]);
+  EXPECT_NEAR(shape->picks[0]->rest.real(), 4.25, 1e-4);
+  EXPECT_NEAR(shape->picks[0]->rest.imag(), 0.5, 1e-4);
+  EXPECT_FALSE(shape->picks[1]);
 }
 
 TEST_F(ClientLibrary, ATrackCanBeStopped) {
   const Session session = NewSession();
   Compile(session, "set");
   const std::vector<std::string> ids{"right", "left"};  // any order
-  const std::vector<client::TrackFrame> frames(20, {{9, 0, 1, 0}, {}, {}});
+  const std::vector<std::vector<Target>> frames(20, {{{9, 0}}, {{1, 0}}});
   std::vector<std::uint64_t> seen;
   const Status whole = session.DeformTrack("set", ids, frames, {}, [&](client::Shape&& shape) {
     seen.push_back(shape.sequence);
-    EXPECT_NEAR(shape.positions[0], 1, 1e-4);  // vertex 0 is the left handle
+    EXPECT_NEAR(shape.positions[0].real(), 1, 1e-4);  // vertex 0 is the left handle
     return true;
   });
   ASSERT_TRUE(whole) << whole.error().message;
@@ -161,7 +161,7 @@ TEST_F(ClientLibrary, ATrackCanBeStopped) {
 
 TEST_F(ClientLibrary, FaultsOfMeshesNameTheElements) {
   client::PlanarMesh mesh = Mesh();
-  mesh.vertices[7] = std::numeric_limits<double>::quiet_NaN();
+  mesh.vertices[3].imag(std::numeric_limits<double>::quiet_NaN());
   const auto registered = NewSession().RegisterMesh(mesh, {});
   ASSERT_FALSE(registered);
   EXPECT_EQ(registered.error().kind, FaultKind::kNonFiniteCoordinate);
@@ -193,7 +193,7 @@ TEST(ClientWithoutServer, IsNotReadyAndItsCallsFail) {
   const auto info = nobody.GetServerInfo();
   ASSERT_FALSE(info);
   EXPECT_EQ(info.error().kind, FaultKind::kDraining);
-  EXPECT_EQ(client::Detail(info.error(), client::kGrpcCodeDetail), "UNAVAILABLE");
+  EXPECT_EQ(client::DetailOf(info.error(), client::kGrpcCodeDetail), "UNAVAILABLE");
 }
 
 }  // namespace

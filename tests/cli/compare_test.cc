@@ -14,32 +14,30 @@ using testing::Not;
 const SurfaceMesh kSquare{{{3, 0, 0}, {3, 0, -2}, {3, 2, -2}, {3, 2, 0}}, {{0, 1, 2}, {0, 2, 3}}};
 
 client::FlatSurface FlatSquare() {
-  client::FlatSurface flat;
-  flat.uv = {0, 0, 0, 2, -2, 2, -2, 0};  // a quarter turn
-  flat.uv_vertex = {0, 1, 2, 3};
-  flat.corner_uv = {0, 1, 2, 0, 2, 3};
-  flat.singular_values = {1, 1, 1.02, 1};
-  return flat;
+  client::FlatSurface answer;
+  Flattening& flat = answer.flat;
+  flat.uv = {{0, 0}, {0, 2}, {-2, 2}, {-2, 0}};  // a quarter turn
+  flat.source = {0, 1, 2, 3};
+  flat.corner_uv = {{0, 1, 2}, {0, 2, 3}};
+  flat.singular_values = {{1, 1}, {1.02, 1}};
+  return answer;
 }
 
 TEST(Comparison, MethodsThatFailSayWhy) {
-  std::vector<client::FlattenOptions> asked;
-  client::FlattenOptions base;
-  base.auto_cut = true;
-  base.seam_edges = {0, 2};
+  std::vector<client::FlattenQuery> asked;
+  client::FlattenQuery base;
+  base.options.cut.auto_cut = true;
+  base.options.cut.seams = {{0, 2}};
   const auto panels =
-      CompareMethods(base, [&](const client::FlattenOptions& options, const std::string&) {
-        asked.push_back(options);
-        return options.injective ? Result<client::FlatSurface>(
-                                       Fail(FaultKind::kInvalidOption, "it cannot be unfolded"))
-                                 : FlatSquare();
+      CompareMethods(base, [&](const client::FlattenQuery& query, const std::string&) {
+        asked.push_back(query);
+        return query.options.injective ? Result<client::FlatSurface>(Fail(FaultKind::kInvalidOption,
+                                                                          "it cannot be unfolded"))
+                                       : FlatSquare();
       });
   ASSERT_TRUE(panels) << panels.error().message;
   EXPECT_EQ(asked.size(), 6u);
-  for (const client::FlattenOptions& options : asked) {
-    EXPECT_TRUE(options.auto_cut);
-    EXPECT_EQ(options.seam_edges, base.seam_edges);
-  }
+  for (const client::FlattenQuery& query : asked) EXPECT_EQ(query.options.cut, base.options.cut);
   EXPECT_TRUE(panels->back().flat.uv.empty());
   const std::string svg = FormatComparison(kSquare, *panels, "caption");
   for (const ComparisonPanel& panel : *panels) EXPECT_THAT(svg, HasSubstr(">" + panel.label + "<"));
@@ -52,7 +50,7 @@ TEST(Comparison, MethodsThatFailSayWhy) {
 TEST(Comparison, FailsWhenAllDoOrTheCallerHasGoneAway) {
   int calls = 0;
   const auto fail = [&calls](FaultKind kind) {
-    return [&calls, kind](const client::FlattenOptions&, const std::string&) {
+    return [&calls, kind](const client::FlattenQuery&, const std::string&) {
       ++calls;
       return Result<client::FlatSurface>(Fail(kind, "no"));
     };

@@ -1,6 +1,8 @@
 // Seams, pins, rigidity and grain lines as they are written in files and on the command line.
 #include "client/cli/commands/flatten_inputs.h"
 
+#include <numbers>
+
 #include <gmock/gmock.h>
 
 #include "client/cli/commands/flatten_flags.h"
@@ -13,6 +15,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr std::size_t kVertices = 9, kTriangles = 3;
+
+auto Edge(std::uint32_t from, std::uint32_t to) { return ElementsAre(from, to); }
 
 std::string SeamFault(const std::string& text) {
   const auto seams = ParseSeams(text, "s.txt", kVertices);
@@ -28,7 +32,7 @@ TEST(Seams, LinesArePathsOfVerticesFromOne) {
   const auto seams =
       ParseSeams("# along the back\n1 2\n\n  3 4 9   # a path\r\n", "s.txt", kVertices);
   ASSERT_TRUE(seams) << seams.error().message;
-  EXPECT_THAT(*seams, ElementsAre(0, 1, 2, 3, 3, 8));
+  EXPECT_THAT(*seams, ElementsAre(Edge(0, 1), Edge(2, 3), Edge(3, 8)));
   const auto none = ParseSeams("# nothing\n", "s.txt", kVertices);
   ASSERT_TRUE(none);
   EXPECT_THAT(*none, IsEmpty());
@@ -39,7 +43,7 @@ TEST(Seams, JsonCountsFromZeroInAnyOfItsForms) {
                            "{\"vertices\": 9, \"cut_edges\": [[0, 1], [2, 8]]}"}) {
     const auto seams = ParseSeams(text, "s.json", kVertices);
     ASSERT_TRUE(seams) << seams.error().message;
-    EXPECT_THAT(*seams, ElementsAre(0, 1, 2, 8)) << text;
+    EXPECT_THAT(*seams, ElementsAre(Edge(0, 1), Edge(2, 8))) << text;
   }
 }
 
@@ -69,8 +73,7 @@ TEST(Pins, LinesAreVertexPlaceAndWeight) {
   ASSERT_TRUE(pins) << pins.error().message;
   ASSERT_EQ(pins->size(), 2u);
   EXPECT_EQ((*pins)[0].vertex, 0u);
-  EXPECT_EQ((*pins)[0].u, 0.5);
-  EXPECT_EQ((*pins)[0].v, -20);
+  EXPECT_EQ((*pins)[0].uv, Complex(0.5, -20));
   EXPECT_EQ((*pins)[0].weight, 0);
   EXPECT_EQ((*pins)[1].vertex, 8u);
   EXPECT_EQ((*pins)[1].weight, 100);
@@ -124,12 +127,12 @@ TEST(Rigidity, JsonFaultsNameTheElementAndTheLimit) {
 TEST(Grain, IsTwoVerticesAndPerhapsAnAngle) {
   const auto line = ParseGrain("3,7");
   ASSERT_TRUE(line) << line.error().message;
-  EXPECT_EQ(line->from_vertex, 2u);
-  EXPECT_EQ(line->to_vertex, 6u);
-  EXPECT_EQ(line->angle_degrees, 0);
+  EXPECT_EQ(line->from, 2u);
+  EXPECT_EQ(line->to, 6u);
+  EXPECT_EQ(line->angle, 0);
   const auto turned = ParseGrain("3,7,-45.5");
   ASSERT_TRUE(turned);
-  EXPECT_EQ(turned->angle_degrees, -45.5);
+  EXPECT_DOUBLE_EQ(turned->angle, -45.5 * std::numbers::pi / 180);
   for (const char* bad : {"", "3", "3,", "3,7,", "3,7,up", "3,7,1,2", "a,7", "0,7", "3,7,nan"}) {
     EXPECT_FALSE(ParseGrain(bad)) << bad;
   }
@@ -184,33 +187,67 @@ TEST(FlattenFlags, SayWhatTheyAreCalled) {
                             "--allowance",
                             "10"});
   ASSERT_TRUE(flags) << flags.error().message;
-  const client::FlattenOptions& options = flags->options;
-  EXPECT_EQ(options.method, client::FlattenMethod::kArapEdge);
-  EXPECT_EQ(options.energy.weights, client::EdgeWeights::kUniform);
-  EXPECT_EQ(options.energy.basis, client::Basis::kEdgeAsPublished);
-  EXPECT_EQ(options.anchors, client::FlattenAnchors::kFarBoundary);
-  EXPECT_EQ(options.refine, 7u);
-  EXPECT_EQ(options.refine_stop, 0.01);
-  EXPECT_TRUE(options.injective && options.auto_cut && options.split_non_manifold &&
-              options.tolerate_degenerate);
-  EXPECT_EQ(options.surface_key, "skirt");
   EXPECT_EQ(flags->millimetres_per_unit, 25.4);
   EXPECT_EQ(flags->allowance, 10);
   EXPECT_EQ(flags->timeout(), std::chrono::milliseconds(1500));
-  const auto read = ReadOptions(*flags, kVertices, kTriangles);
-  ASSERT_TRUE(read) << read.error().message;
-  ASSERT_EQ(read->grain_lines.size(), 2u);
-  EXPECT_EQ(read->grain_lines[1].from_vertex, 2u);
-  EXPECT_EQ(read->grain_lines[1].angle_degrees, 90);
+  const auto query = ReadQuery(*flags, kVertices, kTriangles);
+  ASSERT_TRUE(query) << query.error().message;
+  const FlattenOptions& options = query->options;
+  EXPECT_EQ(options.method, FlattenMethod::kArap);
+  EXPECT_EQ(options.energy.weights, Weights::kUniform);
+  EXPECT_EQ(options.energy.basis, Basis::kEdgeAsPublished);
+  EXPECT_EQ(options.anchors, FlattenAnchors::kFarBoundary);
+  EXPECT_EQ(options.refine, 7);
+  EXPECT_EQ(options.refine_stop, 0.01);
+  EXPECT_TRUE(options.injective && options.cut.auto_cut && options.cut.split_non_manifold &&
+              options.cut.tolerate_degenerate);
+  EXPECT_EQ(query->surface_key, "skirt");
+  ASSERT_EQ(options.grain_lines.size(), 2u);
+  EXPECT_EQ(options.grain_lines[1].from, 2u);
+  EXPECT_DOUBLE_EQ(options.grain_lines[1].angle, std::numbers::pi / 2);
 }
 
-TEST(FlattenFlags, LeaveEverythingElseToTheServer) {
+TEST(FlattenFlags, MethodsAreTheServicesPresets) {
+  const std::pair<const char*, FlattenOptions> methods[] = {
+      {"arap-edge", ArapOptions(Basis::kEdge)},
+      {"arap-face", ArapOptions()},
+      {"lscm", LscmOptions()},
+      {"first-step", FirstStepOptions()},
+      {"abf", AbfOptions()},
+  };
+  for (const auto& [name, preset] : methods) {
+    const auto flags = Parse({"--out", "b.obj", "--method", name});
+    ASSERT_TRUE(flags) << flags.error().message;
+    const auto options = flags->method.Options();
+    ASSERT_TRUE(options) << options.error().message;
+    EXPECT_EQ(*options, preset) << name;
+  }
+}
+
+TEST(FlattenFlags, RefuseWhatDoesNotGoWithTheMethod) {
+  const std::pair<std::vector<std::string>, const char*> wrong[] = {
+      {{"--method", "lscm", "--basis", "edge"}, "energy.basis"},
+      {{"--method", "arap-edge", "--basis", "face"}, "energy.basis"},
+      {{"--method", "abf", "--weights", "uniform"}, "energy.weights"},
+  };
+  for (const auto& [words, field] : wrong) {
+    std::vector<std::string> all{"--out", "b.obj"};
+    all.insert(all.end(), words.begin(), words.end());
+    const auto flags = Parse(all);
+    ASSERT_TRUE(flags) << flags.error().message;
+    const auto options = flags->method.Options();
+    ASSERT_FALSE(options);
+    EXPECT_EQ(options.error().kind, FaultKind::kInvalidOption);
+    EXPECT_EQ(options.error().field, field);
+  }
+}
+
+TEST(FlattenFlags, LeaveEverythingElseToTheService) {
   const auto flags = Parse({"--dxf", "b.dxf"});
   ASSERT_TRUE(flags) << flags.error().message;
-  EXPECT_EQ(flags->options.method, client::FlattenMethod::kDefault);
-  EXPECT_EQ(flags->options.anchors, client::FlattenAnchors::kDefault);
-  EXPECT_EQ(flags->options.energy.basis, client::Basis::kDefault);
-  EXPECT_FALSE(flags->options.refine || flags->options.refine_stop || flags->options.injective);
+  const auto query = ReadQuery(*flags, kVertices, kTriangles);
+  ASSERT_TRUE(query) << query.error().message;
+  EXPECT_EQ(query->options, ArapOptions());
   EXPECT_EQ(flags->millimetres_per_unit, 1);
   EXPECT_EQ(flags->timeout(), std::nullopt);
 }

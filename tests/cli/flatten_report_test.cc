@@ -12,28 +12,29 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const client::SurfaceMesh kTriangle{{0, 0, 0, 3, 0, 0, 0, 4, 0}, {0, 1, 2}};
+const SurfaceMesh kTriangle{{{0, 0, 0}, {3, 0, 0}, {0, 4, 0}}, {{0, 1, 2}}};
 
 client::FlatSurface FlatTriangle() {
-  client::FlatSurface flat;
-  flat.uv = {0, 0, 3, 0, 0, 4};
-  flat.uv_vertex = {0, 1, 2};
-  flat.corner_uv = {0, 1, 2};
-  flat.singular_values = {1, 1};
+  client::FlatSurface answer;
+  Flattening& flat = answer.flat;
+  flat.uv = {{0, 0}, {3, 0}, {0, 4}};
+  flat.source = {0, 1, 2};
+  flat.corner_uv = {{0, 1, 2}};
+  flat.singular_values = {{1, 1}};
   flat.triangle_chart = {0};
   flat.charts.resize(1);
   flat.charts[0].loops = {{0, 1, 2}};
-  flat.charts[0].triangle_count = 1;
+  flat.charts[0].triangles = 1;
   flat.charts[0].refinements = 3;
   flat.charts[0].distortion.arap_energy = 0.25;
   flat.distortion.worst_triangle = 7;
-  flat.cut_edges = {0, 1, 2, 1};
-  flat.auto_cut_count = 1;
-  flat.left_out_triangles = {5};
-  flat.boundary_overlaps = true;
+  flat.cuts = {{0, 1}, {2, 1}};
+  flat.auto_cuts = 1;
+  flat.degenerate = {5};
+  flat.overlaps = true;
   flat.warnings.push_back({"unreferenced_vertices", 2, {8, 9}, "2 vertices"});
-  flat.solve_micros = 12.5;
-  return flat;
+  answer.solve_micros = 12.5;
+  return answer;
 }
 
 TEST(FlattenReport, HasEverythingThatIsKnown) {
@@ -56,7 +57,7 @@ TEST(FlattenReport, HasEverythingThatIsKnown) {
 
 TEST(FlattenReport, ListsEveryTriangleOnRequest) {
   client::FlatSurface flat = FlatTriangle();
-  flat.singular_values = {1.5, -0.25};
+  flat.flat.singular_values = {{1.5, -0.25}};
   EXPECT_FALSE(nlohmann::json::parse(JsonReport(kTriangle, flat)).contains("singular_values"));
   const auto report = nlohmann::json::parse(JsonReport(kTriangle, flat, true));
   EXPECT_EQ(report["singular_values"], nlohmann::json::parse("[[1.5, -0.25]]"));
@@ -65,33 +66,34 @@ TEST(FlattenReport, ListsEveryTriangleOnRequest) {
 TEST(FlattenReport, IsAFileOfSeams) {
   const auto seams = ParseSeams(JsonReport(kTriangle, FlatTriangle()), "report.json", 3);
   ASSERT_TRUE(seams) << seams.error().message;
-  EXPECT_THAT(*seams, ElementsAre(0, 1, 2, 1));
+  EXPECT_THAT(*seams, ElementsAre(ElementsAre(0, 1), ElementsAre(2, 1)));
 }
 
 TEST(FlattenReport, SummaryTellsOfCutsAndOverlaps) {
-  client::FlatSurface flat = FlatTriangle();
+  Flattening flat = FlatTriangle().flat;
   EXPECT_THAT(Summary(kTriangle, flat).back(),
               HasSubstr("1 piece, 2 edges cut, 1 of them automatically; the outline overlaps"));
-  flat.cut_edges.clear();
-  flat.boundary_overlaps = false;
+  flat.cuts.clear();
+  flat.overlaps = false;
   EXPECT_EQ(Summary(kTriangle, flat).size(), 3u);
 }
 
 TEST(FlattenCall, AnswersThatDoNotFitAreRefused) {
-  EXPECT_TRUE(CheckAnswer(kTriangle, FlatTriangle()));
+  EXPECT_TRUE(CheckAnswer(kTriangle, FlatTriangle().flat));
   const auto refused = [](auto change) {
-    client::FlatSurface flat = FlatTriangle();
+    Flattening flat = FlatTriangle().flat;
     change(flat);
     return !CheckAnswer(kTriangle, flat);
   };
-  EXPECT_TRUE(refused([](auto& flat) { flat.corner_uv[1] = 3; }));
+  EXPECT_TRUE(refused([](auto& flat) { flat.corner_uv[0][1] = 3; }));
   EXPECT_TRUE(refused([](auto& flat) { flat.corner_uv.pop_back(); }));
   EXPECT_TRUE(refused([](auto& flat) { flat.uv.pop_back(); }));
-  EXPECT_TRUE(refused([](auto& flat) { flat.uv_vertex[0] = 3; }));
+  EXPECT_TRUE(refused([](auto& flat) { flat.source[0] = 3; }));
   EXPECT_TRUE(refused([](auto& flat) { flat.singular_values.clear(); }));
   EXPECT_TRUE(refused([](auto& flat) { flat.charts[0].loops[0][0] = 9; }));
   EXPECT_TRUE(refused([](auto& flat) { flat.triangle_chart.clear(); }));
-  EXPECT_TRUE(refused([](auto& flat) { flat.cut_edges[0] = 3; }));
+  EXPECT_TRUE(refused([](auto& flat) { flat.cuts[0][0] = 3; }));
+  EXPECT_TRUE(refused([](auto& flat) { flat.charts[0].anchors = {0, 3}; }));
 }
 
 }  // namespace

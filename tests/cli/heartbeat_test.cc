@@ -176,7 +176,7 @@ TEST(ResumeOnTest, AConnectionOfItsOwnAfterSilence) {
   });
   auto stream = Open(server.address(), Quick(seconds(1), kPatience));
   ASSERT_TRUE(stream) << stream.error().message;
-  ASSERT_TRUE(stream->Send({1, {{"a", 1, 2}}, {}, {}}));
+  ASSERT_TRUE(stream->Send({1, {{"a", {{1, 2}}}}, {}, {}}));
   EXPECT_GE(Next<client::Resumed>(*stream).attempts, 1u);
   EXPECT_EQ(Next<client::Shape>(*stream).sequence, 1u);
 }
@@ -203,7 +203,7 @@ TEST(ResumeOnTest, AFullServerIsAskedAgain) {
   ASSERT_TRUE(stream) << stream.error().message;
   ASSERT_TRUE(stream->Edit(1, std::vector<std::string>{"b"}, {}));
   EXPECT_EQ(Next<client::Shape>(*stream).sequence, 1u);
-  ASSERT_TRUE(stream->Send({2, {{"a", 1, 2}}, {}, {}}));
+  ASSERT_TRUE(stream->Send({2, {{"a", {{1, 2}}}}, {}, {}}));
   Next<client::Resumed>(*stream);
   Next<client::Resumed>(*stream);
   Next<client::Resumed>(*stream);
@@ -224,7 +224,7 @@ TEST(ResumeOnTest, AServerThatIsLostEachTimeIsGivenUp) {
   });
   auto stream = Open(server.address(), Quick(kPatience, milliseconds(500)));
   ASSERT_TRUE(stream) << stream.error().message;
-  ASSERT_TRUE(stream->Send({1, {{"a", 1, 2}}, {}, {}}));
+  ASSERT_TRUE(stream->Send({1, {{"a", {{1, 2}}}}, {}, {}}));
   auto event = stream->Read();
   while (event && *event) event = stream->Read();
   ASSERT_FALSE(event);
@@ -240,13 +240,13 @@ TEST(ResumeOnTest, SequencesHaveToGrow) {
   });
   auto stream = Open(server.address(), Quick(kPatience, kPatience));
   ASSERT_TRUE(stream) << stream.error().message;
-  ASSERT_TRUE(stream->Send({0, {{"a", 1, 2}}, {}, {}}));
+  ASSERT_TRUE(stream->Send({0, {{"a", {{1, 2}}}}, {}, {}}));
   EXPECT_EQ(Next<client::Shape>(*stream).sequence, 0u);
-  const Status again = stream->Send({0, {{"a", 1, 3}}, {}, {}});
+  const Status again = stream->Send({0, {{"a", {{1, 3}}}}, {}, {}});
   ASSERT_FALSE(again);
   EXPECT_EQ(again.error().kind, FaultKind::kInvalidOption);
   EXPECT_EQ(again.error().field, "sequence");
-  ASSERT_TRUE(stream->Send({1, {{"a", 1, 3}}, {}, {}}));
+  ASSERT_TRUE(stream->Send({1, {{"a", {{1, 3}}}}, {}, {}}));
   EXPECT_EQ(Next<client::Shape>(*stream).sequence, 1u);
 }
 

@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "arap/client/client.h"
-#include "client/cli/adapt.h"
 #include "client/cli/connect/connection.h"
 #include "client/cli/sample/grid.h"
 
@@ -31,7 +30,7 @@ class ServerTest : public testing::Test {
   }
 
   // 8 × 8 unit squares.
-  static client::PlanarMesh Mesh() { return ToClient(MakeGrid(9, 9)); }
+  static PlanarMesh Mesh() { return MakeGrid(9, 9); }
 
   // The handle "left" at vertex 0 and "right" at vertex 8, the lower corners, on the mesh "mesh".
   static void Compile(const client::Session& session, const std::string& set) {

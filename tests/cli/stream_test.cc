@@ -19,7 +19,7 @@ class Stream : public ServerTest {
   DeformStream Open(Delivery delivery) {
     session_ = NewSession();
     Compile(*session_, "set");
-    auto stream = session_->OpenStream("set", delivery, {}, {std::chrono::seconds(60)});
+    auto stream = session_->OpenStream("set", {.delivery = delivery}, {std::chrono::seconds(60)});
     EXPECT_TRUE(stream) << stream.error().message;
     return *std::move(stream);
   }
@@ -44,22 +44,22 @@ TEST_F(Stream, AnswersUpdatesEditsAndPings) {
   DeformStream stream = Open(Delivery::kEvery);
   EXPECT_THAT(stream.handle_set().handles, SizeIs(2));
 
-  ASSERT_TRUE(stream.Send({1, {{"right", 8, 1}}, {}, {}}));
+  ASSERT_TRUE(stream.Send({1, {{"right", {{8, 1}}}}, {}, {}}));
   const auto first = Next<client::Shape>(stream);
   EXPECT_EQ(first.sequence, 1u);
   EXPECT_EQ(first.positions.size(), Mesh().vertices.size());
-  EXPECT_NEAR(first.positions[17], 1, 1e-4);
+  EXPECT_NEAR(first.positions[8].imag(), 1, 1e-4);
 
   ASSERT_TRUE(stream.Ping(42));
   EXPECT_EQ(Next<client::Pong>(stream).nonce, 42u);
 
-  const client::Handle top{"top", client::PointAnchor{4, 7.5}};
+  const client::Handle top{"top", client::PointAnchor{{4, 7.5}}};
   ASSERT_TRUE(stream.Edit(2, std::vector<std::string>{"left"}, std::vector{top}));
   const auto edited = Next<client::Shape>(stream);
   EXPECT_EQ(edited.sequence, 2u);
   EXPECT_GT(edited.handle_set_revision, first.handle_set_revision);
 
-  ASSERT_TRUE(stream.Send({3, {}, {0, 0, 0, 8}, {}}));
+  ASSERT_TRUE(stream.Send({3, {}, {{0, 0}, {0, 8}}, {}}));
   EXPECT_EQ(Next<client::Shape>(stream).sequence, 3u);
 
   ASSERT_TRUE(stream.CloseSending());
@@ -74,13 +74,13 @@ TEST_F(Stream, AnswersUpdatesEditsAndPings) {
 
 TEST_F(Stream, GoesOnAfterABadUpdate) {
   DeformStream stream = Open(Delivery::kEvery);
-  ASSERT_TRUE(stream.Send({1, {{"nobody", 0, 0}}, {}, {}}));
+  ASSERT_TRUE(stream.Send({1, {{"nobody", {{0, 0}}}}, {}, {}}));
   const auto error = Next<client::UpdateError>(stream);
   EXPECT_EQ(error.sequence, 1u);
   EXPECT_EQ(error.fault.kind, FaultKind::kUnknownHandle);
-  ASSERT_TRUE(stream.Send({2, {{"left", 0, std::numeric_limits<double>::infinity()}}, {}, {}}));
+  ASSERT_TRUE(stream.Send({2, {{"left", {{0, std::numeric_limits<double>::infinity()}}}}, {}, {}}));
   EXPECT_EQ(Next<client::UpdateError>(stream).fault.kind, FaultKind::kNonFiniteTarget);
-  ASSERT_TRUE(stream.Send({3, {{"left", 0, 0}}, {}, {}}));
+  ASSERT_TRUE(stream.Send({3, {{"left", {{0, 0}}}}, {}, {}}));
   EXPECT_EQ(Next<client::Shape>(stream).sequence, 3u);
 }
 
@@ -89,7 +89,7 @@ TEST_F(Stream, OneThreadReadsWhileOthersSend) {
   DeformStream stream = Open(Delivery::kEvery);
   std::thread writer([&] {
     for (std::uint64_t i = 1; i <= kUpdates; ++i) {
-      EXPECT_TRUE(stream.Send({i, {{"right", 8, static_cast<double>(i) / 100}}, {}, {}}));
+      EXPECT_TRUE(stream.Send({i, {{"right", {{8, static_cast<double>(i) / 100}}}}, {}, {}}));
     }
     EXPECT_TRUE(stream.CloseSending());
   });
@@ -115,11 +115,11 @@ TEST_F(Stream, CancelFreesAReader) {
 
 TEST_F(Stream, CanBeDroppedAtAnyTime) {
   DeformStream stream = Open(Delivery::kEvery);
-  ASSERT_TRUE(stream.Send({1, {{"right", 8, 1}}, {}, {}}));
+  ASSERT_TRUE(stream.Send({1, {{"right", {{8, 1}}}}, {}, {}}));
 }
 
 TEST_F(Stream, OnAnUnknownHandleSetDoesNotOpen) {
-  const auto stream = NewSession().OpenStream("nothing", Delivery::kEvery, {});
+  const auto stream = NewSession().OpenStream("nothing", {.delivery = Delivery::kEvery});
   ASSERT_FALSE(stream);
   EXPECT_EQ(stream.error().kind, FaultKind::kNotFound);
 }
@@ -127,7 +127,7 @@ TEST_F(Stream, OnAnUnknownHandleSetDoesNotOpen) {
 TEST_F(Stream, EndsWhenTheSessionIsDeleted) {
   DeformStream stream = Open(Delivery::kEvery);
   ASSERT_TRUE(session_->Delete());
-  (void)stream.Send({1, {{"right", 8, 1}}, {}, {}});
+  (void)stream.Send({1, {{"right", {{8, 1}}}}, {}, {}});
   Result<std::optional<StreamEvent>> event = stream.Read();
   while (event && *event) event = stream.Read();
   ASSERT_FALSE(event);

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/adapt.h"
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/stage.h"
 #include "client/cli/report.h"
@@ -28,24 +27,24 @@ struct Totals {
 
   void Add(const client::Shape& shape) {
     ++frames;
-    if (shape.flipped_count > 0) ++frames_with_flips;
-    worst_handle_error = std::max(worst_handle_error, shape.worst_handle_error);
-    max_stretch = std::max(max_stretch, shape.max_stretch);
+    if (shape.quality.flipped > 0) ++frames_with_flips;
+    worst_handle_error = std::max(worst_handle_error, shape.quality.worst_handle_error);
+    max_stretch = std::max(max_stretch, shape.quality.max_stretch);
     solve_micros += shape.solve_micros;
   }
 };
 
-std::vector<client::TrackFrame> FramesOf(const Track& track, const TrackSegment& segment) {
-  std::vector<client::TrackFrame> frames;
+std::vector<std::vector<Target>> FramesOf(const Track& track, const TrackSegment& segment) {
+  std::vector<std::vector<Target>> frames;
   for (std::size_t i = segment.first; i < segment.end; ++i) {
-    frames.push_back(ToClient(track.frames[i].targets));
+    frames.push_back(track.frames[i].targets);
   }
   return frames;
 }
 
 Result<EditTimes> Edit(const Stage& stage, const TrackEdit& edit, bool hard) {
-  const auto edited = stage.session().EditHandles(
-      kHandleSet, edit.remove, ToClient(ToHandles(stage.track(), edit.add, hard)));
+  const auto edited = stage.session().EditHandles(kHandleSet, edit.remove,
+                                                  ToHandles(stage.track(), edit.add, hard));
   if (!edited) {
     Fault fault = edited.error();
     fault.message = fmt::format("edit before frame {}: {}", edit.frame, fault.message);
@@ -57,11 +56,10 @@ Result<EditTimes> Edit(const Stage& stage, const TrackEdit& edit, bool hard) {
 }
 
 // Bakes the frames of a segment; `on_shape` gets their numbers in the track.
-Status BakeSegment(const Stage& stage, const TrackSegment& segment,
-                   const client::DeformOptions& deform,
+Status BakeSegment(const Stage& stage, const TrackSegment& segment, const client::ShapeOptions& how,
                    const std::function<void(std::size_t, const client::Shape&)>& on_shape) {
   Status baked =
-      stage.session().DeformTrack(kHandleSet, segment.ids, FramesOf(stage.track(), segment), deform,
+      stage.session().DeformTrack(kHandleSet, segment.ids, FramesOf(stage.track(), segment), how,
                                   [&](const client::Shape& shape) {
                                     on_shape(segment.first + shape.sequence, shape);
                                     return true;
@@ -81,8 +79,7 @@ Status Bake(const StageOptions& options) {
   FilmMaker film(options, stage);
   Totals totals;
   std::vector<EditTimes> edits;
-  client::DeformOptions deform = options.deform;
-  deform.float64 = true;
+  const client::ShapeOptions how{options.deform, /*float64=*/true};
   {
     Progress progress("frame", track.frames.size());
     for (const TrackSegment& segment : SegmentsOf(track)) {
@@ -90,13 +87,12 @@ Status Bake(const StageOptions& options) {
         TRY(const EditTimes edited, Edit(stage, *segment.edit, options.hard));
         edits.push_back(edited);
       }
-      CHECK_OK(
-          BakeSegment(stage, segment, deform, [&](std::size_t frame, const client::Shape& shape) {
-            shapes.Write(frame, ToPoints(shape.positions));
-            film.Add(frame, shape);
-            totals.Add(shape);
-            progress.Step();
-          }));
+      CHECK_OK(BakeSegment(stage, segment, how, [&](std::size_t frame, const client::Shape& shape) {
+        shapes.Write(frame, shape.positions);
+        film.Add(frame, shape);
+        totals.Add(shape);
+        progress.Step();
+      }));
     }
   }
   CHECK_OK(shapes.Close());

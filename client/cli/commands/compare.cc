@@ -1,48 +1,34 @@
 #include "client/cli/commands/compare.h"
 
-#include <array>
 #include <iterator>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "client/cli/adapt.h"
 #include "client/cli/report.h"
 
 namespace arap::cli {
 namespace {
 
-using client::Basis;
-using client::FlattenAnchors;
-using client::FlattenMethod;
-
 struct Contestant {
   const char* label;
-  FlattenMethod method;
-  Basis basis;
-  client::EdgeWeights weights;
-  FlattenAnchors anchors;
-  std::optional<std::uint32_t> refine;
-  bool injective;
+  FlattenOptions options;
 };
 
-constexpr auto kCotangent = client::EdgeWeights::kCotangent;
-constexpr auto kOwn = client::EdgeWeights::kDefault;
-constexpr std::array<Contestant, 6> kContestants{{
-    {"First step, as published", FlattenMethod::kFirstStep, Basis::kEdgeAsPublished, kCotangent,
-     FlattenAnchors::kCenterEdge, std::nullopt, false},
-    {"Second step, as published", FlattenMethod::kArapEdge, Basis::kEdgeAsPublished, kCotangent,
-     FlattenAnchors::kCenterEdge, 0, false},
-    {"Face cells, refined", FlattenMethod::kArapFace, Basis::kDefault, kOwn,
-     FlattenAnchors::kDefault, std::nullopt, false},
-    {"Least squares conformal", FlattenMethod::kLscm, Basis::kDefault, kOwn,
-     FlattenAnchors::kSpectral, std::nullopt, false},
-    {"Angle-based", FlattenMethod::kAbf, Basis::kDefault, kOwn, FlattenAnchors::kSpectral,
-     std::nullopt, false},
-    {"Injective", FlattenMethod::kArapFace, Basis::kDefault, kOwn, FlattenAnchors::kDefault,
-     std::nullopt, true},
-}};
+std::vector<Contestant> Contestants() {
+  std::vector<Contestant> all{
+      {"First step, as published", FirstStepOptions(Basis::kEdgeAsPublished)},
+      {"Second step, as published", ArapOptions(Basis::kEdgeAsPublished)},
+      {"Face cells, refined", ArapOptions()},
+      {"Least squares conformal", LscmOptions()},
+      {"Angle-based", AbfOptions()},
+      {"Injective", ArapOptions()},
+  };
+  all[1].options.refine = 0;
+  all[5].options.injective = true;
+  return all;
+}
 
 std::vector<std::string> Lines(const Distortion& d) {
   return {fmt::format("area {:.3f} of the surface's, {} flipped, ARAP energy {:.4g}", d.area_ratio,
@@ -62,24 +48,25 @@ bool EndsAll(FaultKind kind) {
 
 }  // namespace
 
-Result<std::vector<ComparisonPanel>> CompareMethods(const client::FlattenOptions& base,
+Result<std::vector<ComparisonPanel>> CompareMethods(const client::FlattenQuery& base,
                                                     const FlattenCall& flatten) {
   std::vector<ComparisonPanel> panels;
   std::optional<Fault> last;
   std::size_t failed = 0;
-  for (const Contestant& contestant : kContestants) {
-    client::FlattenOptions options = base;
-    options.method = contestant.method;
-    options.energy.basis = contestant.basis;
-    options.energy.weights = contestant.weights;
-    options.anchors = contestant.anchors;
-    options.refine = contestant.refine;
-    options.injective = contestant.injective;
+  const std::vector<Contestant> contestants = Contestants();
+  for (const Contestant& contestant : contestants) {
+    client::FlattenQuery query = base;
+    query.options = contestant.options;
+    query.options.energy.rigidity = base.options.energy.rigidity;
+    query.options.refine_stop = base.options.refine_stop;
+    query.options.cut = base.options.cut;
+    query.options.pins = base.options.pins;
+    query.options.grain_lines = base.options.grain_lines;
     ComparisonPanel& panel = panels.emplace_back();
     panel.label = contestant.label;
-    const Result<client::FlatSurface> flat = flatten(options, contestant.label);
+    Result<client::FlatSurface> flat = flatten(query, contestant.label);
     if (flat) {
-      panel.flat = ToModel(*flat);
+      panel.flat = std::move(flat->flat);
       panel.lines = Lines(panel.flat.distortion);
       continue;
     }
@@ -88,7 +75,7 @@ Result<std::vector<ComparisonPanel>> CompareMethods(const client::FlattenOptions
     last = flat.error();
     ++failed;
   }
-  if (failed == kContestants.size()) return Fail(*last);
+  if (failed == contestants.size()) return Fail(*last);
   return panels;
 }
 

@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "client/cli/adapt.h"
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/drag_loop.h"
 #include "client/cli/commands/stage.h"
@@ -56,25 +55,25 @@ Json ToJson(const EditTimes& edit) {
           {"solve_micros", edit.solve_micros}};
 }
 
-Json ToJson(double x, double y, const client::PickResult& pick) {
-  Json json{{"point", {x, y}}, {"hit", pick.hit}};
-  if (!pick.hit) return json;
-  json["rest"] = {pick.rest_x, pick.rest_y};
-  json["triangle"] = pick.triangle;
-  json["bary"] = pick.barycentric;
+Json ToJson(Complex point, const std::optional<Pick>& pick) {
+  Json json{{"point", {point.real(), point.imag()}}, {"hit", pick.has_value()}};
+  if (!pick) return json;
+  json["rest"] = {pick->rest.real(), pick->rest.imag()};
+  json["triangle"] = pick->triangle;
+  json["bary"] = pick->barycentric;
   return json;
 }
 
-// Where each picked point x y x y… was at rest, a line for each: "pick 3,4: rest 1,2 in triangle 7"
+// Where each picked point was at rest, a line for each: "pick 3,4: rest 1,2 in triangle 7"
 // or "pick 9,9: nothing there". `picks` are as many as points.
-std::string PickLines(std::span<const double> points, std::span<const client::PickResult> picks) {
+std::string PickLines(std::span<const Complex> points, std::span<const std::optional<Pick>> picks) {
   std::string lines;
   for (std::size_t i = 0; i < picks.size(); ++i) {
     auto out = std::back_inserter(lines);
-    fmt::format_to(out, "pick {:.6g},{:.6g}: ", points[2 * i], points[2 * i + 1]);
-    if (picks[i].hit) {
-      fmt::format_to(out, "rest {:.6g},{:.6g} in triangle {}\n", picks[i].rest_x, picks[i].rest_y,
-                     picks[i].triangle);
+    fmt::format_to(out, "pick {:.6g},{:.6g}: ", points[i].real(), points[i].imag());
+    if (picks[i]) {
+      fmt::format_to(out, "rest {:.6g},{:.6g} in triangle {}\n", picks[i]->rest.real(),
+                     picks[i]->rest.imag(), picks[i]->triangle);
     } else {
       lines += "nothing there\n";
     }
@@ -83,7 +82,7 @@ std::string PickLines(std::span<const double> points, std::span<const client::Pi
 }
 
 // All times, edits and picks.
-std::string JsonReport(const DragTimes& times, std::span<const double> points) {
+std::string JsonReport(const DragTimes& times, std::span<const Complex> points) {
   Json json{{"sent", times.sent},
             {"answered", times.answered},
             {"replaced", times.replaced},
@@ -97,15 +96,15 @@ std::string JsonReport(const DragTimes& times, std::span<const double> points) {
             {"picks", Json::array()}};
   for (const EditTimes& edit : times.edits) json["edits"].push_back(ToJson(edit));
   for (std::size_t i = 0; i < times.picks.size(); ++i) {
-    json["picks"].push_back(ToJson(points[2 * i], points[2 * i + 1], times.picks[i]));
+    json["picks"].push_back(ToJson(points[i], times.picks[i]));
   }
   return json.dump(2) + "\n";
 }
 
 Status Drag(const DragOptions& options) {
   TRY(const Stage stage, Stage::Open(options.stage));
-  std::vector<double> points;
-  for (const PickPoint& pick : options.picks) points.insert(points.end(), {pick.x, pick.y});
+  std::vector<Complex> points;
+  for (const PickPoint& pick : options.picks) points.emplace_back(pick.x, pick.y);
   const DragScript script(stage.track(), options.stage.hard, points);
   if (!points.empty() && script.frame_count() == 0) {
     return Fail(FaultKind::kInvalidOption, "--pick asks for the last frame; the track has none.");
@@ -115,13 +114,12 @@ Status Drag(const DragOptions& options) {
     shapes.emplace(options.stage.out, stage.mesh().vertices.size());
   }
   FilmMaker film(options.stage, stage);
-  client::DeformOptions deform = options.stage.deform;
-  deform.float64 = shapes.has_value();
-  TRY(client::DeformStream stream,
-      stage.session().OpenStream(kHandleSet, options.delivery, deform));
+  client::StreamOptions how{options.delivery, {options.stage.deform, shapes.has_value()}};
+  how.heartbeat = {};  // nobody is idle here
+  TRY(client::DeformStream stream, stage.session().OpenStream(kHandleSet, how));
 
   const OnShape on_shape = [&](std::size_t frame, const client::Shape& shape) {
-    if (shapes) shapes->Write(frame, ToPoints(shape.positions));
+    if (shapes) shapes->Write(frame, shape.positions);
     film.Add(frame, shape);
   };
   const bool every = options.delivery == client::Delivery::kEvery;

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/adapt.h"
 #include "core/base/try.h"
 
 namespace arap::cli {
@@ -48,7 +47,7 @@ Result<std::optional<Answer>> ReadAnswer(client::DeformStream& stream, const Dra
   if (shape == nullptr) return NotAsked();
   const std::optional<DragCue> cue = script.CueOf(shape->sequence);
   const bool last = cue && !cue->edit && cue->frame + 1 == script.frame_count();
-  if (!cue || 2 * shape->picks.size() != (last ? script.pick_points().size() : 0)) {
+  if (!cue || shape->picks.size() != (last ? script.pick_points().size() : 0)) {
     return NotAsked();
   }
   return std::optional<Answer>({*cue, std::move(*shape)});
@@ -69,16 +68,16 @@ void Count(Answer& answer, double round_trip, const DragScript& script, const On
   times.queue_micros.push_back(shape.queue_micros);
   times.solve_micros.push_back(shape.solve_micros);
   times.replaced += shape.replaced;
-  if (shape.flipped_count > 0) ++times.frames_with_flips;
-  times.most_flips = std::max<std::size_t>(times.most_flips, shape.flipped_count);
-  times.worst_handle_error = std::max(times.worst_handle_error, shape.worst_handle_error);
+  if (shape.quality.flipped > 0) ++times.frames_with_flips;
+  times.most_flips = std::max(times.most_flips, shape.quality.flipped);
+  times.worst_handle_error = std::max(times.worst_handle_error, shape.quality.worst_handle_error);
   on_shape(frame, shape);
   if (!shape.picks.empty()) times.picks = std::move(answer.shape.picks);
 }
 
 }  // namespace
 
-DragScript::DragScript(const Track& track, bool hard, std::vector<double> pick_points)
+DragScript::DragScript(const Track& track, bool hard, std::vector<Complex> pick_points)
     : track_(track),
       hard_(hard),
       pick_points_(std::move(pick_points)),
@@ -92,8 +91,7 @@ const TrackEdit* DragScript::EditAt(std::size_t frame) const {
 Status DragScript::SendEdit(client::DeformStream& stream, std::size_t frame) const {
   const TrackEdit* const edit = EditAt(frame);
   if (edit == nullptr) return {};
-  return stream.Edit(EditSequence(frame), edit->remove,
-                     ToClient(ToHandles(track_, edit->add, hard_)));
+  return stream.Edit(EditSequence(frame), edit->remove, ToHandles(track_, edit->add, hard_));
 }
 
 Status DragScript::SendUpdate(client::DeformStream& stream, std::size_t frame) const {
@@ -101,15 +99,17 @@ Status DragScript::SendUpdate(client::DeformStream& stream, std::size_t frame) c
   update.sequence = UpdateSequence(frame);
   if (frame + 1 == frame_count()) update.pick_points = pick_points_;
   const std::vector<Target>& targets = track_.frames[frame].targets;
-  client::TrackFrame flat = ToClient(targets);
-  if (track_.edits.empty() && flat.angles_radians.empty() && flat.scales.empty()) {
-    update.positions = std::move(flat.positions);
+  const bool plain = std::all_of(targets.begin(), targets.end(), [](const Target& target) {
+    return target.angle == 0 && target.scale == 1;
+  });
+  if (track_.edits.empty() && plain) {
+    for (const Target& target : targets) update.positions.push_back(target.position);
     return stream.Send(update);
   }
   // By id: whatever order an edit leaves the handles in, each goes where the frame says.
   const std::vector<std::string>& ids = SegmentAt(segments_, frame).ids;
   for (std::size_t k = 0; k < ids.size(); ++k) {
-    update.targets.push_back(ToClient(ids[k], targets[k]));
+    update.targets.push_back({ids[k], targets[k]});
   }
   return stream.Send(update);
 }

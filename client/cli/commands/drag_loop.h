@@ -26,11 +26,11 @@ struct DragCue {
 class DragScript {
  public:
   // `hard`: the handles that edits add meet their targets exactly, whatever the track says.
-  // `pick_points`, x y x y…, are asked for with the last frame.
-  DragScript(const Track& track, bool hard, std::vector<double> pick_points);
+  // `pick_points` are asked for with the last frame.
+  DragScript(const Track& track, bool hard, std::vector<Complex> pick_points);
 
   std::size_t frame_count() const { return track_.frames.size(); }
-  const std::vector<double>& pick_points() const { return pick_points_; }
+  const std::vector<Complex>& pick_points() const { return pick_points_; }
 
   // The edit before a frame, or null.
   const TrackEdit* EditAt(std::size_t frame) const;
@@ -44,7 +44,7 @@ class DragScript {
  private:
   const Track& track_;
   bool hard_;
-  std::vector<double> pick_points_;
+  std::vector<Complex> pick_points_;
   std::vector<TrackSegment> segments_;
 };
 
@@ -58,8 +58,8 @@ struct DragTimes {
   std::size_t frames_with_flips = 0;
   std::size_t most_flips = 0;  // in one frame
   double worst_handle_error = 0;
-  std::vector<EditTimes> edits;           // in order
-  std::vector<client::PickResult> picks;  // of the script's points, on the last frame
+  std::vector<EditTimes> edits;            // in order
+  std::vector<std::optional<Pick>> picks;  // of the script's points, on the last frame
 };
 
 // Called for every frame that is answered, in order, on the calling thread.

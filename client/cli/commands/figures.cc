@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/adapt.h"
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/compare.h"
 #include "client/cli/commands/flatten_call.h"
@@ -46,17 +45,17 @@ class Puppet {
 
   // A panel of the pose. `spread` pulls the handles away from their middle, then the first one is
   // swung up: spread 1 keeps the distances about as they are.
-  Status AddPose(client::Basis basis, client::DeformMode mode, double spread, std::string label) {
+  Status AddPose(Basis basis, DeformMode mode, double spread, std::string label) {
     const std::string id = fmt::format("figure-{}", poses_++);
-    const client::EnergyOptions energy{basis, client::EdgeWeights::kUniform, {}};
-    TRY([[maybe_unused]] const auto mesh, session_.RegisterMesh(ToClient(mesh_), energy, id));
+    const EnergyOptions energy{basis, Weights::kUniform, {}};
+    TRY([[maybe_unused]] const auto mesh, session_.RegisterMesh(mesh_, energy, id));
     TRY([[maybe_unused]] const auto set,
-        session_.CompileHandles(id, id, ToClient(ToHandles(track_, /*hard=*/false))));
-    const std::vector<client::HandleTarget> targets = Pose(spread);
-    TRY(const client::Shape shape, session_.Deform(id, targets, {mode, 0, true, false}));
+        session_.CompileHandles(id, id, ToHandles(track_, /*hard=*/false)));
+    const std::vector<HandleTarget> targets = Pose(spread);
+    TRY(const client::Shape shape, session_.Deform(id, targets, {{mode, 0}, /*float64=*/true}));
     std::vector<Complex> handles;
-    for (const client::HandleTarget& t : targets) handles.emplace_back(t.x, t.y);
-    AddPanel(ToPoints(shape.positions), std::move(handles), std::move(label));
+    for (const HandleTarget& t : targets) handles.push_back(t.target.position);
+    AddPanel(shape.positions, std::move(handles), std::move(label));
     return {};
   }
 
@@ -77,14 +76,14 @@ class Puppet {
   }
 
   // The frame of the wave in which the arm is highest, spread about the middle of the handles.
-  std::vector<client::HandleTarget> Pose(double spread) const {
+  std::vector<HandleTarget> Pose(double spread) const {
     const std::vector<Target>& wave = track_.frames[track_.frames.size() / 4].targets;
     Complex middle;
     for (const Target& target : wave) middle += target.position / static_cast<double>(wave.size());
-    std::vector<client::HandleTarget> targets;
+    std::vector<HandleTarget> targets;
     for (std::size_t i = 0; i < wave.size(); ++i) {
       const Complex at = middle + spread * (wave[i].position - middle);
-      targets.push_back(ToClient(track_.handles[i].handle.id, {.position = at}));
+      targets.push_back({track_.handles[i].handle.id, {at}});
     }
     return targets;
   }
@@ -99,8 +98,6 @@ class Puppet {
 Status DrawDeformations(const client::Client& client, const std::string& folder) {
   TRY(const client::Session session, client.CreateSession());
   Puppet puppet(session);
-  using client::Basis;
-  using client::DeformMode;
 
   puppet.AddRest("handles");
   for (const auto& [mode, label] : {std::pair{DeformMode::kSimilarity, "first step"},
@@ -122,10 +119,9 @@ Status DrawDeformations(const client::Client& client, const std::string& folder)
 
 Status DrawFlattenings(const client::Client& client, const std::string& folder) {
   const SurfaceMesh face = MakeFace(kFaceEdge);
-  const client::SurfaceMesh sent = ToClient(face);
   TRY(const auto panels,
-      CompareMethods({}, [&](const client::FlattenOptions& options, const std::string& what) {
-        return FlattenWaiting(client, sent, options, std::nullopt, what);
+      CompareMethods({}, [&](const client::FlattenQuery& query, const std::string& what) {
+        return FlattenWaiting(client, face, query, std::nullopt, what);
       }));
   return WriteTextFile(
       folder + "/figure6.svg",

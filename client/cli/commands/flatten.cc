@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/adapt.h"
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/compare.h"
 #include "client/cli/commands/flatten_call.h"
@@ -27,56 +26,51 @@ Status WriteWanted(const std::string& path, const std::string& text) {
   return path.empty() ? Status() : WriteTextFile(path, text);
 }
 
-Status WriteLayout(const FlattenFlags& flags, const client::FlattenOptions& options,
-                   const client::SurfaceMesh& mesh, const client::FlatSurface& flat) {
-  const SurfaceMesh surface = ToModel(mesh);
-  const Flattening layout = ToModel(flat);
+Status WriteLayout(const FlattenFlags& flags, const std::vector<GrainLine>& grain,
+                   const SurfaceMesh& mesh, const client::FlatSurface& answer) {
+  const Flattening& flat = answer.flat;
   const std::vector<std::string> summary = Summary(mesh, flat);
   for (const std::string& line : summary) fmt::print("{}\n", line);
   if (!flags.out.empty()) {
-    CHECK_OK(WriteTextFile(flags.out, FormatObj(surface, layout.uv, layout.corner_uv)));
+    CHECK_OK(WriteTextFile(flags.out, FormatObj(mesh, flat.uv, flat.corner_uv)));
   }
   if (!flags.svg.empty() || !flags.dxf.empty()) {
-    std::vector<GrainLine> grain;
-    for (const client::GrainLine& line : options.grain_lines) grain.push_back(ToModel(line));
-    const Pattern pattern =
-        MakePattern(layout, {flags.millimetres_per_unit, flags.allowance, grain});
+    const Pattern pattern = MakePattern(flat, {flags.millimetres_per_unit, flags.allowance, grain});
     const PatternSheet sheet{!flags.plain, flags.interior, summary};
     CHECK_OK(WriteWanted(flags.svg, FormatPattern(pattern, sheet)));
     CHECK_OK(WriteWanted(flags.dxf, FormatDxf(pattern)));
   }
-  return WriteWanted(flags.report, JsonReport(mesh, flat, flags.sigma));
+  return WriteWanted(flags.report, JsonReport(mesh, answer, flags.sigma));
 }
 
-Status Compare(const FlattenFlags& flags, const client::FlattenOptions& options,
-               const client::SurfaceMesh& mesh, const client::Client& client) {
-  const FlattenCall flatten = [&](const client::FlattenOptions& one, const std::string& what) {
+Status Compare(const FlattenFlags& flags, const client::FlattenQuery& query,
+               const SurfaceMesh& mesh, const client::Client& client) {
+  const FlattenCall flatten = [&](const client::FlattenQuery& one, const std::string& what) {
     return FlattenWaiting(client, mesh, one, flags.timeout(), what);
   };
-  TRY(const std::vector<ComparisonPanel> panels, CompareMethods(options, flatten));
+  TRY(const std::vector<ComparisonPanel> panels, CompareMethods(query, flatten));
   fmt::print("{}", FormatTable(panels));
   const std::string caption =
       fmt::format("{} vertices, {} triangles; the squares have one size on every layout",
-                  mesh.vertex_count(), mesh.triangle_count());
-  return WriteTextFile(flags.compare, FormatComparison(ToModel(mesh), panels, caption));
+                  mesh.vertices.size(), mesh.triangles.size());
+  return WriteTextFile(flags.compare, FormatComparison(mesh, panels, caption));
 }
 
 Status Flatten(const FlattenFlags& flags) {
-  TRY(const SurfaceMesh surface, ReadSurfaceMesh(flags.surface));
-  const client::SurfaceMesh mesh = ToClient(surface);
-  TRY(const client::FlattenOptions options,
-      ReadOptions(flags, mesh.vertex_count(), mesh.triangle_count()));
+  TRY(const SurfaceMesh mesh, ReadSurfaceMesh(flags.surface));
+  TRY(const client::FlattenQuery query,
+      ReadQuery(flags, mesh.vertices.size(), mesh.triangles.size()));
   TRY(const Connection connection, Connection::Open(flags.server));
 
   const bool layout =
       !(flags.out.empty() && flags.svg.empty() && flags.dxf.empty() && flags.report.empty());
   if (layout) {
-    TRY(const client::FlatSurface flat,
-        FlattenWaiting(connection.client(), mesh, options, flags.timeout(), "flattening"));
-    PrintWarnings(flat.warnings);
-    CHECK_OK(WriteLayout(flags, options, mesh, flat));
+    TRY(const client::FlatSurface answer,
+        FlattenWaiting(connection.client(), mesh, query, flags.timeout(), "flattening"));
+    PrintWarnings(answer.flat.warnings);
+    CHECK_OK(WriteLayout(flags, query.options.grain_lines, mesh, answer));
   }
-  return flags.compare.empty() ? Status() : Compare(flags, options, mesh, connection.client());
+  return flags.compare.empty() ? Status() : Compare(flags, query, mesh, connection.client());
 }
 
 }  // namespace

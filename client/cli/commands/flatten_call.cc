@@ -1,6 +1,7 @@
 #include "client/cli/commands/flatten_call.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <csignal>
 #include <cstddef>
@@ -8,6 +9,7 @@
 #include <future>
 #include <span>
 #include <stop_token>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -44,52 +46,57 @@ class Interrupt {
   struct sigaction before_ {};
 };
 
-bool AllBelow(std::span<const std::uint32_t> indices, std::size_t count) {
+bool Below(std::span<const std::uint32_t> indices, std::size_t count) {
   return std::all_of(indices.begin(), indices.end(),
                      [count](std::uint32_t i) { return i < count; });
 }
 
+template <std::size_t kCount>
+bool AllBelow(const std::vector<std::array<std::uint32_t, kCount>>& groups, std::size_t count) {
+  return std::all_of(groups.begin(), groups.end(),
+                     [count](const auto& group) { return Below(group, count); });
+}
+
 }  // namespace
 
-Status CheckAnswer(const client::SurfaceMesh& mesh, const client::FlatSurface& flat) {
-  const std::size_t positions = flat.uv.size() / 2;
-  bool good = flat.uv.size() % 2 == 0 && flat.uv_vertex.size() == positions;
-  good = good && flat.corner_uv.size() == mesh.triangles.size();
-  good = good && flat.singular_values.size() == 2 * mesh.triangle_count();
-  good = good && flat.triangle_chart.size() == mesh.triangle_count();
-  good =
-      good && AllBelow(flat.corner_uv, positions) && AllBelow(flat.uv_vertex, mesh.vertex_count());
-  good = good && AllBelow(flat.cut_edges, mesh.vertex_count());
-  for (const client::FlatChart& chart : flat.charts) {
-    for (const auto& loop : chart.loops) good = good && AllBelow(loop, positions);
+Status CheckAnswer(const SurfaceMesh& mesh, const Flattening& flat) {
+  const std::size_t positions = flat.uv.size();
+  const std::size_t vertices = mesh.vertices.size(), triangles = mesh.triangles.size();
+  bool good = flat.source.size() == positions && flat.corner_uv.size() == triangles;
+  good = good && flat.singular_values.size() == triangles;
+  good = good && flat.triangle_chart.size() == triangles;
+  good = good && AllBelow(flat.corner_uv, positions) && Below(flat.source, vertices);
+  good = good && AllBelow(flat.cuts, vertices);
+  for (const FlatChart& chart : flat.charts) {
+    for (const auto& loop : chart.loops) good = good && Below(loop, positions);
+    good = good && Below(chart.anchors, positions);
   }
   if (good) return {};
   return Fail(FaultKind::kInternal, "The server's answer does not fit the mesh.");
 }
 
-Result<client::FlatSurface> FlattenWaiting(const client::Client& client,
-                                           const client::SurfaceMesh& mesh,
-                                           client::FlattenOptions options,
+Result<client::FlatSurface> FlattenWaiting(const client::Client& client, const SurfaceMesh& mesh,
+                                           client::FlattenQuery query,
                                            std::optional<std::chrono::milliseconds> timeout,
                                            const std::string& what) {
-  options.float64 = true;
-  options.singular_values = true;
+  query.float64 = true;
+  query.singular_values = true;
   std::stop_source stop;
   const Interrupt interrupt;
   Elapsed elapsed(what);
   // The future joins the call when it goes.
-  std::future<Result<client::FlatSurface>> answer = std::async(std::launch::async, [&] {
-    return client.Flatten(mesh, options, {timeout, stop.get_token()});
+  std::future<Result<client::FlatSurface>> future = std::async(std::launch::async, [&] {
+    return client.Flatten(mesh, query, {timeout, stop.get_token()});
   });
   constexpr std::chrono::milliseconds kLook{100};
-  while (answer.wait_for(kLook) != std::future_status::ready) {
+  while (future.wait_for(kLook) != std::future_status::ready) {
     if (interrupt.happened()) stop.request_stop();
     elapsed.Show();
   }
   elapsed.Clear();
-  TRY(client::FlatSurface flat, answer.get());
-  CHECK_OK(CheckAnswer(mesh, flat));
-  return flat;
+  TRY(client::FlatSurface answer, future.get());
+  CHECK_OK(CheckAnswer(mesh, answer.flat));
+  return answer;
 }
 
 }  // namespace arap::cli

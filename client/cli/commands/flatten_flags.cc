@@ -1,7 +1,11 @@
 #include "client/cli/commands/flatten_flags.h"
 
+#include <algorithm>
 #include <charconv>
+#include <climits>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -73,7 +77,7 @@ void AddDrawing(CLI::App& command, FlattenFlags& flags) {
 }
 
 void AddSurfaceFlags(CLI::App& command, FlattenFlags& flags) {
-  client::FlattenOptions& options = flags.options;
+  CutOptions& cut = flags.query.options.cut;
   auto* const surface = command.add_option_group("Surface", "what is cut, held and repaired");
   surface
       ->add_option("--seams", flags.seams,
@@ -97,51 +101,95 @@ void AddSurfaceFlags(CLI::App& command, FlattenFlags& flags) {
       ->allow_extra_args(false)
       ->check(CLI::Validator(
           [](std::string& text) {
-            const Result<client::GrainLine> line = ParseGrain(text);
+            const Result<GrainLine> line = ParseGrain(text);
             return line ? std::string() : line.error().message;
           },
           ""))
       ->option_text("FROM,TO[,ANGLE]");
-  surface->add_flag("--auto-cut", options.auto_cut,
+  surface->add_flag("--auto-cut", cut.auto_cut,
                     "cut closed pieces, handles and several boundaries open to disks");
-  surface->add_flag("--split-non-manifold", options.split_non_manifold,
+  surface->add_flag("--split-non-manifold", cut.split_non_manifold,
                     "split edges with more than two triangles and touching vertices");
-  surface->add_flag("--tolerate-degenerate", options.tolerate_degenerate,
+  surface->add_flag("--tolerate-degenerate", cut.tolerate_degenerate,
                     "leave triangles without area out");
   surface
-      ->add_option("--surface-key", options.surface_key,
+      ->add_option("--surface-key", flags.query.surface_key,
                    "the server keeps the prepared surface under this name for a while")
       ->option_text("NAME");
 }
 
-void AddMethodFlags(CLI::App& command, client::FlattenOptions& options) {
-  using client::FlattenAnchors;
-  using client::FlattenMethod;
-  AddChoice<FlattenMethod>(
-      command, "--method", options.method,
-      {{"arap-edge", FlattenMethod::kArapEdge},
-       {"arap-face", FlattenMethod::kArapFace},
-       {"lscm", FlattenMethod::kLscm},
-       {"first-step", FlattenMethod::kFirstStep},
-       {"abf", FlattenMethod::kAbf}},
-      "which layout; default both steps with the basis, arap-face without one");
-  AddFlattenEnergyOptions(command, options.energy);
+using Method = MethodFlags::Method;
+
+std::map<std::string, Method> Methods() {
+  return {{"arap-edge", Method::kArapEdge},
+          {"arap-face", Method::kArapFace},
+          {"lscm", Method::kLscm},
+          {"first-step", Method::kFirstStep},
+          {"abf", Method::kAbf}};
+}
+
+void AddMethodFlags(CLI::App& command, MethodFlags& flags) {
+  AddChoice(command, "--method", flags.method, Methods(),
+            "which layout; default both steps with the basis, arap-face without one");
+  AddFlattenEnergyOptions(command, flags.basis, flags.weights);
   AddChoice<FlattenAnchors>(
-      command, "--anchors", options.anchors,
-      {{"center-edge", FlattenAnchors::kCenterEdge},
+      command, "--anchors", flags.anchors,
+      {{"center-edge", FlattenAnchors::kCentreEdge},
        {"far-boundary", FlattenAnchors::kFarBoundary},
        {"spectral", FlattenAnchors::kSpectral}},
       "what fixes the first step; default center-edge, spectral for lscm and abf");
   command
-      .add_option("--refine", options.refine,
+      .add_option("--refine", flags.refine,
                   "local/global iterations afterwards; default 20 for arap methods, else 0")
       ->option_text("N");
   command
-      .add_option("--refine-stop", options.refine_stop,
+      .add_option("--refine-stop", flags.refine_stop,
                   "end them when one lowers the energy by less than this part; default 1e-6")
       ->check(Between(0, 1))
       ->option_text("X");
-  command.add_flag("--injective", options.injective, "no flipped triangle, or a failure");
+  command.add_flag("--injective", flags.injective, "no flipped triangle, or a failure");
+}
+
+FlattenOptions PresetOf(Method method) {
+  switch (method) {
+    case Method::kArap:
+    case Method::kArapFace:
+      return ArapOptions();
+    case Method::kArapEdge:
+      return ArapOptions(Basis::kEdge);
+    case Method::kLscm:
+      return LscmOptions();
+    case Method::kFirstStep:
+      return FirstStepOptions();
+    case Method::kAbf:
+      return AbfOptions();
+  }
+  return ArapOptions();
+}
+
+bool Allows(Method method, Basis basis) {
+  switch (method) {
+    case Method::kArap:
+    case Method::kFirstStep:
+      return true;
+    case Method::kArapEdge:
+      return basis == Basis::kEdge || basis == Basis::kEdgeAsPublished;
+    case Method::kArapFace:
+    case Method::kLscm:
+    case Method::kAbf:
+      return basis == Basis::kFace;
+  }
+  return true;
+}
+
+auto DoesNotGo(const char* flag, Method method, const char* field) {
+  std::string named;
+  for (const auto& [name, value] : Methods()) {
+    if (value == method) named = name;
+  }
+  return Fail(Fault(FaultKind::kInvalidOption,
+                    fmt::format("This {} does not go with --method {}.", flag, named))
+                  .Field(field));
 }
 
 }  // namespace
@@ -151,10 +199,26 @@ std::optional<std::chrono::milliseconds> FlattenFlags::timeout() const {
   return std::chrono::milliseconds(std::llround(std::ceil(*timeout_seconds * 1000)));
 }
 
+Result<FlattenOptions> MethodFlags::Options() const {
+  if (basis && !Allows(method, *basis)) return DoesNotGo("--basis", method, "energy.basis");
+  const bool conformal = method == Method::kLscm || method == Method::kAbf;
+  if (conformal && weights == Weights::kUniform) {
+    return DoesNotGo("--weights", method, "energy.weights");
+  }
+  FlattenOptions options = PresetOf(method);
+  if (basis) options.energy.basis = *basis;
+  if (weights) options.energy.weights = *weights;
+  if (anchors) options.anchors = *anchors;
+  if (refine) options.refine = static_cast<int>(std::min<std::uint32_t>(*refine, INT_MAX));
+  if (refine_stop) options.refine_stop = *refine_stop;
+  options.injective = injective;
+  return options;
+}
+
 void AddFlattenFlags(CLI::App& command, FlattenFlags& flags) {
   command.add_option("SURFACE", flags.surface, "the surface: an OBJ or OFF file")->required();
   AddServerFlags(command, flags.server);
-  AddMethodFlags(command, flags.options);
+  AddMethodFlags(command, flags.method);
   command
       .add_option("--timeout", flags.timeout_seconds,
                   "give up after so many seconds; default never")
@@ -165,12 +229,16 @@ void AddFlattenFlags(CLI::App& command, FlattenFlags& flags) {
   AddDrawing(command, flags);
 }
 
-Result<client::FlattenOptions> ReadOptions(const FlattenFlags& flags, std::size_t vertex_count,
-                                           std::size_t triangle_count) {
-  client::FlattenOptions options = flags.options;
+Result<client::FlattenQuery> ReadQuery(const FlattenFlags& flags, std::size_t vertex_count,
+                                       std::size_t triangle_count) {
+  client::FlattenQuery query = flags.query;
+  FlattenOptions& options = query.options;
+  CutOptions cut = std::move(options.cut);
+  TRY(options, flags.method.Options());
+  options.cut = std::move(cut);
   if (!flags.seams.empty()) {
     TRY(const std::string text, ReadTextFile(flags.seams));
-    TRY(options.seam_edges, ParseSeams(text, flags.seams, vertex_count));
+    TRY(options.cut.seams, ParseSeams(text, flags.seams, vertex_count));
   }
   if (!flags.pins.empty()) {
     TRY(const std::string text, ReadTextFile(flags.pins));
@@ -181,11 +249,11 @@ Result<client::FlattenOptions> ReadOptions(const FlattenFlags& flags, std::size_
     TRY(options.energy.rigidity, ParseRigidity(text, flags.rigidity, triangle_count));
   }
   for (const std::string& text : flags.grain) {
-    TRY(const client::GrainLine line, ParseGrain(text));
+    TRY(const GrainLine line, ParseGrain(text));
     CHECK_OK(CheckGrain(line, vertex_count));
     options.grain_lines.push_back(line);
   }
-  return options;
+  return query;
 }
 
 }  // namespace arap::cli

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,22 @@
 #include "client/cli/connect/connection.h"
 
 namespace arap::cli {
+
+// Which layout. What is empty is as the preset of the method has it.
+struct MethodFlags {
+  enum class Method { kArap, kArapEdge, kArapFace, kLscm, kFirstStep, kAbf };
+
+  Method method = Method::kArap;
+  std::optional<Basis> basis;
+  std::optional<Weights> weights;
+  std::optional<FlattenAnchors> anchors;
+  std::optional<std::uint32_t> refine;
+  std::optional<double> refine_stop;
+  bool injective = false;
+
+  // kInvalidOption when basis or weights do not go with the method.
+  Result<FlattenOptions> Options() const;
+};
 
 struct FlattenFlags {
   ServerFlags server;
@@ -28,16 +45,17 @@ struct FlattenFlags {
   bool interior = false;
   bool plain = false;
   std::optional<double> timeout_seconds;
-  client::FlattenOptions options;
+  MethodFlags method;
+  client::FlattenQuery query;  // but for what `method` and the files say
 
   std::optional<std::chrono::milliseconds> timeout() const;
 };
 
 void AddFlattenFlags(CLI::App& command, FlattenFlags& flags);
 
-// The options with what the files and grain lines say about a surface of so many vertices and
-// triangles.
-Result<client::FlattenOptions> ReadOptions(const FlattenFlags& flags, std::size_t vertex_count,
-                                           std::size_t triangle_count);
+// The query with what the method, the files and the grain lines say about a surface of so many
+// vertices and triangles.
+Result<client::FlattenQuery> ReadQuery(const FlattenFlags& flags, std::size_t vertex_count,
+                                       std::size_t triangle_count);
 
 }  // namespace arap::cli

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <optional>
 #include <sstream>
 #include <string_view>
@@ -18,6 +19,7 @@ namespace {
 
 using Json = nlohmann::json;
 using Words = std::vector<std::string>;
+using Edges = std::vector<std::array<std::uint32_t, 2>>;
 
 auto Bad(std::string message) { return Fail(FaultKind::kInvalidOption, std::move(message)); }
 
@@ -69,8 +71,8 @@ bool IsJson(const std::string& text) {
   return first != std::string::npos && (text[first] == '[' || text[first] == '{');
 }
 
-Result<std::vector<std::uint32_t>> ParseJsonSeams(const std::string& text, const std::string& name,
-                                                  std::size_t vertex_count) {
+Result<Edges> ParseJsonSeams(const std::string& text, const std::string& name,
+                             std::size_t vertex_count) {
   Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (json.is_discarded()) return Bad(name + ": not JSON");
   if (json.is_object()) json = json.value("cut_edges", Json());
@@ -101,10 +103,10 @@ Result<std::vector<std::uint32_t>> ParseJsonSeams(const std::string& text, const
     }
     if (!fault.empty()) return Bad(fmt::format("{}: element {}: {}", name, i, fault));
   }
-  return seams;
+  Edges edges(seams.size() / 2);
+  for (std::size_t i = 0; i < edges.size(); ++i) edges[i] = {seams[2 * i], seams[2 * i + 1]};
+  return edges;
 }
-
-constexpr double kMaxRigidity = 1e6;
 
 Status CheckRigidity(double rigidity) {
   if (rigidity > 0 && rigidity <= kMaxRigidity) return {};
@@ -143,16 +145,16 @@ Result<std::vector<double>> ParseRigidityLines(const std::string& text, const st
 
 }  // namespace
 
-Result<std::vector<std::uint32_t>> ParseSeams(const std::string& text, const std::string& name,
-                                              std::size_t vertex_count) {
+Result<Edges> ParseSeams(const std::string& text, const std::string& name,
+                         std::size_t vertex_count) {
   if (IsJson(text)) return ParseJsonSeams(text, name, vertex_count);
-  std::vector<std::uint32_t> seams;
+  Edges seams;
   CHECK_OK(ReadLines(text, name, [&](const Words& words) -> Status {
     if (words.size() < 2) return Bad("a seam goes from one vertex to another");
     std::optional<std::uint32_t> last;
     for (const std::string& word : words) {
       TRY(const std::uint32_t vertex, ParseVertex(word, vertex_count));
-      if (last) seams.insert(seams.end(), {*last, vertex});
+      if (last) seams.push_back({*last, vertex});
       last = vertex;
     }
     return {};
@@ -160,21 +162,23 @@ Result<std::vector<std::uint32_t>> ParseSeams(const std::string& text, const std
   return seams;
 }
 
-Result<std::vector<client::UvPin>> ParsePins(const std::string& text, const std::string& name,
-                                             std::size_t vertex_count) {
-  std::vector<client::UvPin> pins;
+Result<std::vector<UvPin>> ParsePins(const std::string& text, const std::string& name,
+                                     std::size_t vertex_count) {
+  std::vector<UvPin> pins;
   CHECK_OK(ReadLines(text, name, [&](const Words& words) -> Status {
     if (words.size() < 3 || words.size() > 4) {
       return Bad(fmt::format("a pin is 'vertex u v [weight]', these are {} words", words.size()));
     }
-    client::UvPin pin;
+    UvPin pin;
     TRY(pin.vertex, ParseVertex(words[0], vertex_count));
-    double* const places[] = {&pin.u, &pin.v, &pin.weight};
+    std::array<double, 3> numbers{};
     for (std::size_t i = 1; i < words.size(); ++i) {
       const std::optional<double> number = ParseFinite(words[i]);
       if (!number) return Bad(fmt::format("'{}' is not a finite number", words[i]));
-      *places[i - 1] = *number;
+      numbers[i - 1] = *number;
     }
+    pin.uv = {numbers[0], numbers[1]};
+    pin.weight = numbers[2];
     if (pin.weight < 0) return Bad("a weight is not negative; 0 or none holds exactly");
     pins.push_back(pin);
     return {};
@@ -192,28 +196,29 @@ Result<std::vector<double>> ParseRigidity(const std::string& text, const std::st
   return rigidity;
 }
 
-Result<client::GrainLine> ParseGrain(const std::string& text) {
+Result<GrainLine> ParseGrain(const std::string& text) {
   Words words;
   std::istringstream stream(text);
   for (std::string word; std::getline(stream, word, ',');) words.push_back(std::move(word));
   if (words.size() < 2 || words.size() > 3 || text.ends_with(',')) {
     return Bad(fmt::format("'{}' is not FROM,TO or FROM,TO,ANGLE", text));
   }
-  client::GrainLine line;
-  std::uint32_t* const ends[] = {&line.from_vertex, &line.to_vertex};
+  GrainLine line;
+  std::uint32_t* const ends[] = {&line.from, &line.to};
   for (std::size_t i = 0; i < 2; ++i) {
     TRY(*ends[i], ParseVertex(words[i], UINT32_MAX));
   }
   if (words.size() == 3) {
     const std::optional<double> angle = ParseFinite(words[2]);
     if (!angle) return Bad(fmt::format("'{}' is not an angle in degrees", words[2]));
-    line.angle_degrees = *angle;
+    // Whole turns do not count, and what is left is exact.
+    line.angle = std::fmod(*angle, 360.0) * (std::numbers::pi / 180);
   }
   return line;
 }
 
-Status CheckGrain(const client::GrainLine& line, std::size_t vertex_count) {
-  for (const std::uint32_t vertex : {line.from_vertex, line.to_vertex}) {
+Status CheckGrain(const GrainLine& line, std::size_t vertex_count) {
+  for (const std::uint32_t vertex : {line.from, line.to}) {
     if (vertex < vertex_count) continue;
     return Bad(fmt::format("--grain: vertex {}: the surface has {}", std::uint64_t{vertex} + 1,
                            vertex_count));

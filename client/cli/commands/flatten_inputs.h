@@ -1,28 +1,30 @@
 // What flatten is told beside the surface: seams, pins, rigidity, grain lines.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "arap/base/result.h"
-#include "arap/client/flatten.h"
+#include "arap/model/flatten.h"
 
 namespace arap::cli {
 
 // Texts count vertices from 1, as OBJ files do; JSON counts from 0, as reports do. `name` is what
 // faults call the file, before the number of the line. All faults are kInvalidOption.
 
-// Vertex pairs a b a b… A line of text is a path of two or more vertices, cut from each to the
+// Vertex pairs. A line of text is a path of two or more vertices, cut from each to the
 // next; # begins a comment. JSON is [[a, b], …], [a, b, …] in pairs, or an object with such a list
 // as "cut_edges": a report.
-Result<std::vector<std::uint32_t>> ParseSeams(const std::string& text, const std::string& name,
-                                              std::size_t vertex_count);
+Result<std::vector<std::array<std::uint32_t, 2>>> ParseSeams(const std::string& text,
+                                                             const std::string& name,
+                                                             std::size_t vertex_count);
 
 // A line per pin: vertex u v [weight], u and v in the units of the surface; # begins a comment.
-Result<std::vector<client::UvPin>> ParsePins(const std::string& text, const std::string& name,
-                                             std::size_t vertex_count);
+Result<std::vector<UvPin>> ParsePins(const std::string& text, const std::string& name,
+                                     std::size_t vertex_count);
 
 // One number per triangle in the order of the file, above 0 and at most 1e6; 1 is neutral. Text has
 // one on a line, # begins a comment; JSON is an array.
@@ -30,8 +32,8 @@ Result<std::vector<double>> ParseRigidity(const std::string& text, const std::st
                                           std::size_t triangle_count);
 
 // FROM,TO[,ANGLE] with vertices from 1 and degrees. Says so when it is something else.
-Result<client::GrainLine> ParseGrain(const std::string& text);
+Result<GrainLine> ParseGrain(const std::string& text);
 // Whether both ends of the line are vertices of the surface.
-Status CheckGrain(const client::GrainLine& line, std::size_t vertex_count);
+Status CheckGrain(const GrainLine& line, std::size_t vertex_count);
 
 }  // namespace arap::cli

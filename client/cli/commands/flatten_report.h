@@ -11,11 +11,11 @@ namespace arap::cli {
 // A JSON object: counts, every measure of distortion of the whole and of each chart, anchors, cuts,
 // warnings and times; with `sigma` also "singular_values", [s1, s2] of every triangle, s2 negative
 // where it is flipped, [0, 0] where it was left out. Indices count from 0.
-std::string JsonReport(const client::SurfaceMesh& mesh, const client::FlatSurface& flat,
+std::string JsonReport(const SurfaceMesh& mesh, const client::FlatSurface& flat,
                        bool sigma = false);
 // The same in a few lines for people.
-std::vector<std::string> Summary(const client::SurfaceMesh& mesh, const client::FlatSurface& flat);
+std::vector<std::string> Summary(const SurfaceMesh& mesh, const Flattening& flat);
 // The two lines of it about strain, angles and energies.
-std::vector<std::string> Measures(const client::Distortion& distortion);
+std::vector<std::string> Measures(const Distortion& distortion);
 
 }  // namespace arap::cli

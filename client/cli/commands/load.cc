@@ -59,7 +59,7 @@ Result<LoadResult> Load(const LoadOptions& options) {
   LoadPlan plan = MakeLoadPlan(options.vertices, options.handles,
                                std::chrono::duration<double>(options.seconds));
   plan.fps = options.fps;
-  plan.deform.refine = static_cast<std::uint32_t>(options.refine);
+  plan.deform.refine = static_cast<int>(options.refine);
   std::vector<LoadSamples> samples(options.streams);
   std::latch start(static_cast<std::ptrdiff_t>(options.streams) + 1);
   std::vector<std::jthread> threads;
@@ -72,7 +72,7 @@ Result<LoadResult> Load(const LoadOptions& options) {
   threads.clear();  // joins them
   LoadResult result;
   result.seconds = std::chrono::duration<double>(Clock::now() - began).count();
-  result.vertices = plan.mesh.vertex_count();
+  result.vertices = plan.mesh.vertices.size();
   for (LoadSamples& stream : samples) Merge(std::move(stream), result.samples);
   return result;
 }

@@ -2,19 +2,20 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
-#include "arap/client/energy.h"
-#include "arap/client/shape.h"
+#include "arap/model/deform.h"
+#include "arap/model/energy.h"
 
 namespace arap::cli {
 
 // An option whose values have names. Its help lists the names alone, not the numbers that they
 // stand for.
-template <class Value>
-CLI::Option* AddChoice(CLI::App& command, const std::string& flag, Value& value,
+template <class Value, class Variable>
+CLI::Option* AddChoice(CLI::App& command, const std::string& flag, Variable& value,
                        const std::map<std::string, Value>& names, const std::string& help) {
   std::string choices;
   for (const auto& [name, named] : names) choices += (choices.empty() ? "" : "|") + name;
@@ -24,10 +25,11 @@ CLI::Option* AddChoice(CLI::App& command, const std::string& flag, Value& value,
 }
 
 // --basis and --weights for meshes in the plane, and for surfaces, which have no vertex basis.
-void AddEnergyOptions(CLI::App& command, client::EnergyOptions& energy);
-void AddFlattenEnergyOptions(CLI::App& command, client::EnergyOptions& energy);
+void AddEnergyOptions(CLI::App& command, EnergyOptions& energy);
+void AddFlattenEnergyOptions(CLI::App& command, std::optional<Basis>& basis,
+                             std::optional<Weights>& weights);
 
 // --mode and --refine.
-void AddDeformOptions(CLI::App& command, client::DeformOptions& options);
+void AddDeformOptions(CLI::App& command, DeformOptions& options);
 
 }  // namespace arap::cli

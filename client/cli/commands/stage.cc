@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/adapt.h"
 #include "client/cli/commands/option_names.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
@@ -58,17 +57,16 @@ Result<Stage> Stage::Open(const StageOptions& options) {
   TRY(client::Session session, connection.client().CreateSession());
   Stage stage(std::move(connection), std::move(session), std::move(mesh), std::move(track));
 
-  client::EnergyOptions energy = options.energy;
+  EnergyOptions energy = options.energy;
   if (options.as_published) {
-    energy.basis = client::Basis::kEdgeAsPublished;
-    energy.weights = client::EdgeWeights::kUniform;
+    energy.basis = Basis::kEdgeAsPublished;
+    energy.weights = Weights::kUniform;
   }
   energy.rigidity = stage.track_.rigidity;
-  TRY(const auto registered, stage.session().RegisterMesh(ToClient(stage.mesh_), energy));
-  PrintWarnings(registered.mesh.warnings);
-  TRY(const auto compiled,
-      stage.session().CompileHandles(kHandleSet, registered.mesh.id,
-                                     ToClient(ToHandles(stage.track_, options.hard))));
+  TRY(const auto registered, stage.session().RegisterMesh(stage.mesh_, energy));
+  PrintWarnings(registered.mesh.report.warnings);
+  TRY(const auto compiled, stage.session().CompileHandles(kHandleSet, registered.mesh.id,
+                                                          ToHandles(stage.track_, options.hard)));
   PrintWarnings(compiled.handle_set.warnings);
   stage.register_micros_ = registered.solve_micros;
   stage.compile_micros_ = compiled.solve_micros;
@@ -85,7 +83,7 @@ FilmMaker::FilmMaker(const StageOptions& options, const Stage& stage)
 
 void FilmMaker::Add(std::size_t frame, const client::Shape& shape) {
   if (svg_.empty() && frames_svg_.empty()) return;
-  film_.shapes.push_back(ToPoints(shape.positions));
+  film_.shapes.push_back(shape.positions);
   film_.handles.push_back(HandlesAt(frame));
   film_.numbers.push_back(frame);
 }

@@ -23,8 +23,8 @@ struct StageOptions {
   std::string out;         // shapes.csv, or empty
   std::string svg;         // animation, or empty
   std::string frames_svg;  // contact sheet, or empty
-  client::EnergyOptions energy;
-  client::DeformOptions deform;
+  EnergyOptions energy;
+  DeformOptions deform;
   bool as_published = false;
   bool hard = false;
 };

@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/adapt.h"
 #include "client/cli/report.h"
 #include "client/cli/sample/grid.h"
 #include "core/base/try.h"
@@ -32,13 +31,12 @@ void NoteBadReply(const std::string& what, LoadSamples& samples) {
 }
 
 // Every handle goes round its rest position, each at its own phase.
-std::vector<double> Targets(const LoadPlan& plan, std::size_t stream, std::uint64_t step) {
+std::vector<Complex> Targets(const LoadPlan& plan, std::size_t stream, std::uint64_t step) {
   constexpr double kStepRadians = 0.05;
-  std::vector<double> targets = plan.rests;
-  for (std::size_t k = 0; 2 * k + 1 < targets.size(); ++k) {
+  std::vector<Complex> targets = plan.rests;
+  for (std::size_t k = 0; k < targets.size(); ++k) {
     const double angle = kStepRadians * static_cast<double>(step) + static_cast<double>(k + stream);
-    targets[2 * k] += plan.reach * std::sin(angle);
-    targets[2 * k + 1] += plan.reach * (1 - std::cos(angle));
+    targets[k] += plan.reach * Complex(std::sin(angle), 1 - std::cos(angle));
   }
   return targets;
 }
@@ -64,12 +62,13 @@ const client::Shape* CheckReply(const Result<std::optional<client::StreamEvent>>
     return nullptr;
   }
   if (shape->positions.size() != length) {
-    NoteBadReply(fmt::format("{} coordinates, expected {}", shape->positions.size(), length),
+    NoteBadReply(fmt::format("{} positions, expected {}", shape->positions.size(), length),
                  samples);
     return nullptr;
   }
-  if (!std::all_of(shape->positions.begin(), shape->positions.end(),
-                   [](double x) { return std::isfinite(x); })) {
+  if (!std::all_of(shape->positions.begin(), shape->positions.end(), [](Complex at) {
+        return std::isfinite(at.real()) && std::isfinite(at.imag());
+      })) {
     NoteBadReply("a position is not finite", samples);
     return nullptr;
   }
@@ -82,7 +81,9 @@ Result<client::DeformStream> OpenStream(const client::Session& session, const Lo
   TRY([[maybe_unused]] const auto set,
       session.CompileHandles(kLoadSet, registered.mesh.id, plan.handles, call));
   const Clock::time_point asked = Clock::now();
-  auto stream = session.OpenStream(kLoadSet, plan.delivery, plan.deform, call);
+  client::StreamOptions options{plan.delivery, {plan.deform}};
+  options.heartbeat = {};  // a thread for each stream
+  auto stream = session.OpenStream(kLoadSet, options, call);
   const std::chrono::duration<double, std::micro> took = Clock::now() - asked;
   if (!stream && stream.error().kind == FaultKind::kLimitExceeded) {
     samples.refused_micros.push_back(took.count());
@@ -128,7 +129,7 @@ LoadPlan MakeLoadPlan(std::size_t vertices, std::size_t handles,
   const auto side = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(vertices))));
   const std::size_t columns = std::max<std::size_t>(side, 2);
   const std::size_t rows = std::max<std::size_t>(vertices / columns, 2);
-  plan.mesh = ToClient(MakeGrid(columns, rows));
+  plan.mesh = MakeGrid(columns, rows);
   const double width = static_cast<double>(columns - 1);
   const double height = static_cast<double>(rows - 1);
   plan.reach = 0.1 * std::min(width, height);
@@ -139,10 +140,10 @@ LoadPlan MakeLoadPlan(std::size_t vertices, std::size_t handles,
         0.45 * std::sqrt((static_cast<double>(k) + 0.5) / static_cast<double>(handles));
     const double x = width * (0.5 + radius * std::cos(golden * static_cast<double>(k)));
     const double y = height * (0.5 + radius * std::sin(golden * static_cast<double>(k)));
-    client::Handle& handle = plan.handles.emplace_back();
+    Handle& handle = plan.handles.emplace_back();
     handle.id = fmt::format("h{}", k);
-    handle.anchor = client::PointAnchor{x, y};
-    plan.rests.insert(plan.rests.end(), {x, y});
+    handle.anchor = PointAnchor{{x, y}};
+    plan.rests.emplace_back(x, y);
   }
   return plan;
 }

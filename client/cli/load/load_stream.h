@@ -15,13 +15,13 @@ namespace arap::cli {
 
 // The same for every stream. The server factors the mesh once.
 struct LoadPlan {
-  client::PlanarMesh mesh;
-  std::vector<client::Handle> handles;
-  std::vector<double> rests;  // x y x y… of the handles
-  double reach = 0;           // how far a target strays from its rest position
+  PlanarMesh mesh;
+  std::vector<Handle> handles;
+  std::vector<Complex> rests;  // of the handles
+  double reach = 0;            // how far a target strays from its rest position
   std::chrono::duration<double> length{0};
   client::Delivery delivery = client::Delivery::kEvery;
-  client::DeformOptions deform;
+  DeformOptions deform;
   double fps = 0;  // updates a second; 0: as fast as they are answered
 };
 

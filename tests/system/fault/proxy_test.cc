@@ -33,8 +33,8 @@ class ProxyTest : public ::testing::Test {
     auto session = client_->CreateSession();
     ASSERT_TRUE(session) << session.error().message;
     session_.emplace(*std::move(session));
-    const client::PlanarMesh mesh{{0, 0, 4, 0, 4, 4, 0, 4, 2, 2},
-                                  {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4}};
+    const PlanarMesh mesh{{{0, 0}, {4, 0}, {4, 4}, {0, 4}, {2, 2}},
+                          {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}};
     const auto registered = session_->RegisterMesh(mesh, {}, "m");
     ASSERT_TRUE(registered) << registered.error().message;
     const std::vector<client::Handle> handles{{"l", client::VertexAnchor{0}},
@@ -49,15 +49,15 @@ class ProxyTest : public ::testing::Test {
   }
 
   // The answer to an update; empty when there is none.
-  static std::vector<double> Drag(DeformStream& stream, std::uint64_t sequence, double x) {
+  static std::vector<Complex> Drag(DeformStream& stream, std::uint64_t sequence, double x) {
     client::HandleUpdate update;
     update.sequence = sequence;
-    update.positions = {0, 0, x, 1};
+    update.positions = {{0, 0}, {x, 1}};
     (void)stream.Send(update);  // reading tells
     const auto event = stream.Read();
     if (!event || !*event) return {};
     const auto* shape = std::get_if<client::Shape>(&**event);
-    return shape == nullptr ? std::vector<double>() : shape->positions;
+    return shape == nullptr ? std::vector<Complex>() : shape->positions;
   }
 
   // The one that has an open stream of the session.
@@ -117,7 +117,7 @@ TEST_F(ProxyTest, WhenItsServerDrainsAStreamIsToldToOpenAgain) {
   const auto end = stream->Read();
   ASSERT_FALSE(end);
   EXPECT_EQ(end.error().kind, FaultKind::kDraining);
-  EXPECT_EQ(client::Detail(end.error(), "resume"), "open_again");
+  EXPECT_EQ(client::DetailOf(end.error(), "resume"), "open_again");
   ExpectGoesOn(*resuming, shape);
   EXPECT_EQ(server.Wait(kPatience), 0);
 }

@@ -50,11 +50,11 @@ class ReloadTest : public ::testing::Test {
   // A stream under the token, in a session of its own.
   client::DeformStream OpenAs(const wire::TestToken& token) const {
     const auto session = As(token).CreateSession().value();
-    const client::PlanarMesh square{{0, 0, 1, 0, 1, 1, 0, 1}, {0, 1, 2, 0, 2, 3}};
+    const client::PlanarMesh square{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {{0, 1, 2}, {0, 2, 3}}};
     EXPECT_TRUE(session.RegisterMesh(square, {}, "m"));
     const std::vector<client::Handle> handles{{"l", client::VertexAnchor{0}}};
     EXPECT_TRUE(session.CompileHandles("h", "m", handles));
-    return session.OpenStream("h", client::Delivery::kLatest, {}).value();
+    return session.OpenStream("h", {.heartbeat = {}}).value();
   }
   static void ExpectAlive(client::DeformStream& stream) {
     EXPECT_TRUE(stream.Ping(5));

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "arap/client/client.h"
-#include "client/cli/adapt.h"
 #include "client/cli/sample/grid.h"
 #include "tests/system/fault/server_process.h"
 
@@ -29,14 +28,14 @@ class ResumeTest : public ::testing::TestWithParam<Delivery> {
     ASSERT_TRUE(server_->Start());
     session_ = client::Client::Connect(server_->address()).CreateSession();
     ASSERT_TRUE(session_) << session_.error().message;
-    ASSERT_TRUE(session_->RegisterMesh(cli::ToClient(cli::MakeGrid(9, 9)), {}, "m"));
+    ASSERT_TRUE(session_->RegisterMesh(cli::MakeGrid(9, 9), {}, "m"));
     const std::vector<client::Handle> handles{{"l", client::VertexAnchor{0}},
                                               {"r", client::VertexAnchor{8}}};
     ASSERT_TRUE(session_->CompileHandles("h", "m", handles));
   }
 
   Result<DeformStream> Open(client::StreamOptions options) {
-    options.deform.float64 = true;
+    options.shape.float64 = true;
     return session_->OpenStream("h", options, {.timeout = seconds(60)});
   }
   client::StreamOptions Resuming(milliseconds within = seconds(30)) {
@@ -60,16 +59,16 @@ class ResumeTest : public ::testing::TestWithParam<Delivery> {
   // Two updates with an edit of the stream's own between them: what it adds starts where the first
   // has brought it.
   static void Begin(DeformStream& stream) {
-    ASSERT_TRUE(stream.Send({1, {{"r", 8, 3}}, {}, {}}));
+    ASSERT_TRUE(stream.Send({1, {{"r", {{8, 3}}}}, {}, {}}));
     EXPECT_EQ(Next<client::Shape>(stream).sequence, 1u);
     const std::vector<client::Handle> top{{"t", client::VertexAnchor{76}}};
     ASSERT_TRUE(stream.Edit(2, {}, top));
     EXPECT_EQ(Next<client::Shape>(stream).sequence, 2u);
-    ASSERT_TRUE(stream.Send({3, {{"l", -1, 0}}, {}, {}}));
+    ASSERT_TRUE(stream.Send({3, {{"l", {{-1, 0}}}}, {}, {}}));
     EXPECT_EQ(Next<client::Shape>(stream).sequence, 3u);
   }
   static client::Shape End(DeformStream& stream) {
-    EXPECT_TRUE(stream.Send({4, {{"r", 9, 1}}, {}, {}}));
+    EXPECT_TRUE(stream.Send({4, {{"r", {{9, 1}}}}, {}, {}}));
     return Next<client::Shape>(stream);
   }
   // Of a stream that nothing happens to.
@@ -101,7 +100,7 @@ TEST_P(ResumeTest, AfterAKillTheShapesAreThoseOfAnUndisturbedStream) {
   Begin(*stream);
   server_->Kill();
   // Into the void: the reader has not noticed yet.
-  ASSERT_TRUE(stream->Send({4, {{"r", 9, 1}}, {}, {}}));
+  ASSERT_TRUE(stream->Send({4, {{"r", {{9, 1}}}}, {}, {}}));
   ASSERT_TRUE(stream->Ping(77));
   ASSERT_TRUE(server_->Start());
   const auto resumed = Next<client::Resumed>(*stream);
@@ -123,7 +122,7 @@ TEST_P(ResumeTest, AfterAKillTheShapesAreThoseOfAnUndisturbedStream) {
   EXPECT_EQ(shape.positions, expected.positions);
   EXPECT_EQ(shape.handle_set_revision, expected.handle_set_revision);
   // And on.
-  ASSERT_TRUE(stream->Send({5, {{"t", 4, 9}}, {}, {}}));
+  ASSERT_TRUE(stream->Send({5, {{"t", {{4, 9}}}}, {}, {}}));
   EXPECT_EQ(Next<client::Shape>(*stream).sequence, 5u);
   ASSERT_TRUE(stream->CloseSending());
   const auto end = stream->Read();
@@ -208,13 +207,13 @@ TEST_P(HeartbeatTest, KeepsAnIdleStream) {
   auto next = std::async([&] { return Next<client::Shape>(*alive); });
   // Two of these one after the other take longer than a stream may say nothing.
   for (int round = 0; round < 2; ++round) {
-    auto quiet = session_->OpenStream("h", Delivery::kLatest, {}, {.timeout = seconds(60)});
+    auto quiet = session_->OpenStream("h", {.heartbeat = {}}, {.timeout = seconds(60)});
     ASSERT_TRUE(quiet) << quiet.error().message;
     const auto end = quiet->Read();
     ASSERT_FALSE(end);
     EXPECT_EQ(end.error().kind, FaultKind::kStreamIdle) << end.error().message;
   }
-  ASSERT_TRUE(alive->Send({1, {{"r", 8, 3}}, {}, {}}));
+  ASSERT_TRUE(alive->Send({1, {{"r", {{8, 3}}}}, {}, {}}));
   EXPECT_EQ(next.get().sequence, 1u) << "and no pong came before";
 }
 

@@ -11,6 +11,7 @@
 #include <spdlog/spdlog.h>
 
 #include "arap/client/client.h"
+#include "proto/convert/mesh.h"
 #include "tests/support/await.h"
 #include "tests/system/wire/authority.h"
 #include "tests/system/wire/token_fixture.h"
@@ -50,18 +51,15 @@ class IdentityTest : public WireTest {
   static client::Session SetUp(const client::Client& client) {
     auto session = client.CreateSession();
     EXPECT_TRUE(session) << session.error().message;
-    client::PlanarMesh mesh;
-    const v1::PlanarMesh grid = Grid(2, 2);
-    mesh.vertices.assign(grid.vertices().begin(), grid.vertices().end());
-    mesh.triangles.assign(grid.triangles().begin(), grid.triangles().end());
-    EXPECT_TRUE(session->RegisterMesh(mesh, {}, "mesh"));
+    const auto grid = convert::FromWire(Grid(2, 2), MeshLimits{});
+    EXPECT_TRUE(session->RegisterMesh(grid.value(), {}, "mesh"));
     const std::vector<client::Handle> handles{{"left", client::VertexAnchor{0}},
                                               {"right", client::VertexAnchor{2}}};
     EXPECT_TRUE(session->CompileHandles("set", "mesh", handles));
     return *session;
   }
   static client::DeformStream Open(const client::Session& session) {
-    auto stream = session.OpenStream("set", client::Delivery::kLatest, {});
+    auto stream = session.OpenStream("set", {.heartbeat = {}});
     EXPECT_TRUE(stream) << stream.error().message;
     return *std::move(stream);
   }
@@ -181,7 +179,7 @@ TEST_F(IdentityTest, TracksUnderARevokedTokenEnd) {
   Status ended;
   std::thread caller([&] {
     const std::vector<std::string> ids{"left", "right"};
-    const std::vector<client::TrackFrame> frames(100, {{0, 0, 2, 0}, {}, {}});
+    const std::vector<std::vector<Target>> frames(100, {{{0, 0}}, {{2, 0}}});
     ended = session.DeformTrack("set", ids, frames, {}, [](client::Shape&&) { return true; });
   });
   ASSERT_TRUE(

@@ -3,12 +3,12 @@
 //   auto client = arap::client::Client::Connect("localhost:50051");
 //   if (auto ready = client.WaitReady(std::chrono::seconds(5)); !ready) …
 //   auto session = client.CreateSession();
-//   auto mesh = session->RegisterMesh(planar_mesh, {});
-//   auto set = session->CompileHandles("set", mesh->mesh.id, handles);
-//   auto shape = session->Deform("set", targets, {});
+//   auto registration = session->RegisterMesh(planar_mesh, {});
+//   auto compilation = session->CompileHandles("set", registration->mesh.id, handles);
+//   auto shape = session->Deform("set", targets);
 //
 // A Client is a value: copies share the connection. All members may be called from any thread at
-// the same time. Calls block until the answer is there; error.h says what an error holds.
+// the same time. Calls block until the answer is there; call.h says what an error holds.
 #pragma once
 
 #include <chrono>
@@ -19,9 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "arap/client/call_options.h"
-#include "arap/client/connect_options.h"
-#include "arap/client/error.h"
+#include "arap/client/call.h"
 #include "arap/client/flatten.h"
 #include "arap/client/mesh.h"
 #include "arap/client/server_info.h"
@@ -32,6 +30,26 @@ namespace arap::client {
 namespace internal {
 class Channel;
 }
+
+// How a Client connects and who it says it is. Files are in PEM and read once, when connecting.
+// Nothing of this is ever in a message or a log.
+struct ConnectOptions {
+  // Bearer token, sent with every call; empty: none. `arapctl token add` makes them.
+  std::string token;
+  // Without TLS a token is sent to this machine only (loopback, unix sockets), unless this allows
+  // everybody on the way to read it.
+  bool token_in_plaintext = false;
+
+  bool tls = false;               // implied by each of the files
+  std::string root_certificates;  // who vouches for the server; empty: the system's authorities
+  std::string certificate;        // the client's own, with its key, for servers that want one
+  std::string key;
+  std::string server_name;  // what the server's certificate says, unless that is in the address
+
+  bool wants_tls() const {
+    return tls || !root_certificates.empty() || !certificate.empty() || !key.empty();
+  }
+};
 
 struct SessionOptions {
   std::string id;  // empty: the library draws 128 random bits in hexadecimal
@@ -69,7 +87,7 @@ class Client {
                                    const CallOptions& call = {}) const;
 
   // Flattens a surface, true to size. Stateless: needs no session.
-  Result<FlatSurface> Flatten(const SurfaceMesh& mesh, const FlattenOptions& options = {},
+  Result<FlatSurface> Flatten(const SurfaceMesh& mesh, const FlattenQuery& query = {},
                               const CallOptions& call = {}) const;
 
  private:

@@ -13,9 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "arap/client/call_options.h"
+#include "arap/client/call.h"
 #include "arap/client/deform_stream.h"
-#include "arap/client/error.h"
 #include "arap/client/handles.h"
 #include "arap/client/mesh.h"
 #include "arap/client/shape.h"
@@ -49,45 +48,41 @@ class Session {
   Status Delete(const CallOptions& call = {}) const;
 
   // Validates and factors a mesh. An empty `mesh_id` means one made of the content hash.
-  Result<RegisteredMesh> RegisterMesh(const PlanarMesh& mesh, const EnergyOptions& energy,
-                                      const std::string& mesh_id = {},
-                                      const CallOptions& call = {}) const;
+  Result<Registration> RegisterMesh(const PlanarMesh& mesh, const EnergyOptions& energy,
+                                    const std::string& mesh_id = {},
+                                    const CallOptions& call = {}) const;
   Result<MeshInfo> GetMesh(const std::string& mesh_id, const CallOptions& call = {}) const;
   // Forgets a mesh and the handle sets on it.
   Status DeleteMesh(const std::string& mesh_id, const CallOptions& call = {}) const;
 
-  Result<CompiledHandles> CompileHandles(const std::string& handle_set_id,
-                                         const std::string& mesh_id,
-                                         std::span<const Handle> handles,
-                                         const CallOptions& call = {}) const;
+  Result<Compilation> CompileHandles(const std::string& handle_set_id, const std::string& mesh_id,
+                                     std::span<const Handle> handles,
+                                     const CallOptions& call = {}) const;
   // Removes first, then adds. Nothing changes when it fails.
-  Result<CompiledHandles> EditHandles(const std::string& handle_set_id,
-                                      std::span<const std::string> remove,
-                                      std::span<const Handle> add,
-                                      const CallOptions& call = {}) const;
+  Result<Compilation> EditHandles(const std::string& handle_set_id,
+                                  std::span<const std::string> remove, std::span<const Handle> add,
+                                  const CallOptions& call = {}) const;
   Result<HandleSetInfo> GetHandleSet(const std::string& handle_set_id,
                                      const CallOptions& call = {}) const;
   Status DeleteHandleSet(const std::string& handle_set_id, const CallOptions& call = {}) const;
 
-  // One target for every handle of the set, in any order. `pick_points` are deformed points x y x
-  // y…, at most 1024, to map back to rest.
+  // One target for every handle of the set, in any order. `pick_points` are deformed points, at
+  // most 1024, to map back to rest.
   Result<Shape> Deform(const std::string& handle_set_id, std::span<const HandleTarget> targets,
-                       const DeformOptions& options, std::span<const double> pick_points = {},
+                       const ShapeOptions& options = {}, std::span<const Complex> pick_points = {},
                        const CallOptions& call = {}) const;
 
-  // A whole track; `handle_ids` names every handle of the set once and orders the columns of the
-  // frames. `on_frame` runs on the calling thread, once per frame.
+  // A whole track: a target per handle in every frame, in the order of `handle_ids`, which names
+  // every handle of the set once. `on_frame` runs on the calling thread, once per frame.
   Status DeformTrack(const std::string& handle_set_id, std::span<const std::string> handle_ids,
-                     std::span<const TrackFrame> frames, const DeformOptions& options,
+                     std::span<const std::vector<Target>> frames, const ShapeOptions& options,
                      const FrameCallback& on_frame, const CallOptions& call = {}) const;
 
   // Opens a live stream and waits until the server has opened it. The timeout of `call` is that of
   // the whole stream.
-  Result<DeformStream> OpenStream(const std::string& handle_set_id, const StreamOptions& options,
+  Result<DeformStream> OpenStream(const std::string& handle_set_id,
+                                  const StreamOptions& options = {},
                                   const CallOptions& call = {}) const;
-  // The same without heartbeat.
-  Result<DeformStream> OpenStream(const std::string& handle_set_id, Delivery delivery,
-                                  const DeformOptions& options, const CallOptions& call = {}) const;
 
  private:
   friend class Client;

@@ -1,0 +1,49 @@
+// SignsOfLife: when a stream asks its server for a sign of life, which answers belong to whom, and
+// when it has been silent for too long.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+namespace arap::client::internal {
+
+// Of the user's pings and the stream's own. The server answers each, in order. Not thread-safe; the
+// time is the caller's to tell.
+class SignsOfLife {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  // Asks after so much silence, and gives up after so much.
+  SignsOfLife(std::chrono::milliseconds heartbeat, std::chrono::milliseconds silence)
+      : heartbeat_(heartbeat), silence_(silence) {}
+
+  // A new call begins. Our own questions were lost with the call before.
+  void Restart(Time now);
+  // Somebody begins to wait for a message, or has got one, or knows that there is none.
+  void SetWaiting(bool waiting, Time now);
+
+  // A question goes out: the user's with its nonce, or our own. While the call is not open yet,
+  // only our own go out; the user's are kept and come behind them.
+  void Ask(std::optional<std::uint64_t> nonce, bool open, Time now);
+  // An answer came: the nonce of the user's question; nothing for one of our own.
+  std::optional<std::uint64_t> Answered();
+  // The user's questions without answer, in order.
+  std::vector<std::uint64_t> Unanswered() const;
+
+  // Whether the server counts as gone.
+  bool IsSilent(Time now) const { return waiting_ && now - heard_ >= silence_; }
+  // Whether to ask. `clear`: the transport takes more.
+  bool IsDue(bool clear, Time now) const;
+
+ private:
+  const std::chrono::milliseconds heartbeat_, silence_;
+  std::deque<std::optional<std::uint64_t>> asked_;  // without answer; our own have no nonce
+  bool waiting_ = false;                            // somebody reads
+  Time heard_;                                      // while waiting_, since when nothing was heard
+  Time last_asked_;                                 // or when the call was begun
+};
+
+}  // namespace arap::client::internal
