@@ -214,7 +214,6 @@ TEST(SessionLocksTest, OneAtATimeAndNothingLeftBehind) {
   SessionLocks locks;
   int inside = 0;
   std::vector<std::future<void>> threads;
-  threads.reserve(4);
   for (int i = 0; i < 4; ++i) {
     threads.push_back(InThread([&] {
       for (int round = 0; round < 1000; ++round) {

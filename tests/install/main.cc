@@ -1,0 +1,12 @@
+// Connects nowhere: the library is linked, and says so in its own words.
+#include <cstdio>
+
+#include <arap/client/client.h>
+
+int main() {
+  const auto client = arap::client::Client::Connect("unix:/nonexistent/arapd.sock");
+  const auto info = client.GetServerInfo({std::chrono::seconds(30)});
+  if (info || info.error().kind != arap::FaultKind::kDraining) return 1;
+  std::puts(info.error().message.c_str());
+  return 0;
+}
