@@ -110,7 +110,9 @@ TEST(RoundTrip, Handles) {
   vertex.set_vertex(0);
   EXPECT_EQ(FromWire(vertex, "h")->weight, Handle::kDefaultWeight);
 
-  const PlacedHandle placed{{.id = "tail"}, {1, 2}, 0.5, 3};
+  Handle tail;
+  tail.id = "tail";
+  const PlacedHandle placed{tail, {1, 2}, 0.5, 3};
   v1::HandleInfo info;
   ToWire(placed, &info);
   EXPECT_EQ(FromWire(info), placed);

@@ -67,7 +67,7 @@ class ProxyTest : public ::testing::Test {
   }
 
   // After the loss of its server.
-  static void ExpectGoesOn(DeformStream& stream, const std::vector<double>& shape) {
+  static void ExpectGoesOn(DeformStream& stream, const std::vector<Complex>& shape) {
     const auto event = stream.Read();
     ASSERT_TRUE(event && *event) << event.error().message;
     EXPECT_TRUE(std::holds_alternative<client::Resumed>(**event));
@@ -99,7 +99,7 @@ TEST_F(ProxyTest, ASessionStaysWithItsServer) {
 TEST_F(ProxyTest, WhenItsServerDiesAStreamGoesOnWithTheOther) {
   auto stream = Open(kPatience);
   ASSERT_TRUE(stream) << stream.error().message;
-  const std::vector<double> shape = Drag(*stream, 1, 5);
+  const std::vector<Complex> shape = Drag(*stream, 1, 5);
   ASSERT_FALSE(shape.empty());
   Holder().Kill();
   ExpectGoesOn(*stream, shape);
@@ -110,7 +110,7 @@ TEST_F(ProxyTest, WhenItsServerDrainsAStreamIsToldToOpenAgain) {
   auto resuming = Open(kPatience);
   ASSERT_TRUE(resuming) << resuming.error().message;
   ASSERT_TRUE(stream) << stream.error().message;
-  const std::vector<double> shape = Drag(*stream, 1, 5);
+  const std::vector<Complex> shape = Drag(*stream, 1, 5);
   ASSERT_FALSE(shape.empty());
   ServerProcess& server = Holder();
   server.Signal(SIGTERM);
@@ -126,7 +126,7 @@ TEST_F(ProxyTest, WhenItsServerDrainsAStreamIsToldToOpenAgain) {
 TEST_F(ProxyTest, WhenItsServerFreezesAStreamIsCutAndGoesOnWithTheOther) {
   auto stream = Open(kPatience);
   ASSERT_TRUE(stream) << stream.error().message;
-  const std::vector<double> shape = Drag(*stream, 1, 5);
+  const std::vector<Complex> shape = Drag(*stream, 1, 5);
   ASSERT_FALSE(shape.empty());
   Holder().Signal(SIGSTOP);
   ExpectGoesOn(*stream, shape);
