@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <ctime>
 #include <set>
 
 #include <fmt/chrono.h>
@@ -19,7 +20,6 @@ namespace {
 
 using Json = nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
-using Wall = std::chrono::system_clock::time_point;
 
 // Where we are in the file, for faults.
 struct Place {
@@ -50,7 +50,7 @@ bool ParseNumber(std::string_view text, std::size_t at, std::size_t digits, int&
   return parsed.ec == std::errc() && parsed.ptr == end && value >= 0;
 }
 
-std::optional<Wall> ParseExpiry(std::string_view text) {
+std::optional<std::chrono::sys_seconds> ParseExpiry(std::string_view text) {
   namespace chrono = std::chrono;
   constexpr std::string_view kForm = "0000-00-00T00:00:00Z";
   if (text.size() != kForm.size()) return std::nullopt;
@@ -181,9 +181,9 @@ std::string FormatTokenFile(std::span<const TokenEntry> entries) {
   return json.dump(2) + "\n";
 }
 
-std::string FormatExpiry(Wall time) {
+std::string FormatExpiry(std::chrono::sys_seconds time) {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
-                     fmt::gmtime(std::chrono::system_clock::to_time_t(time)));
+                     fmt::gmtime(std::time_t{time.time_since_epoch().count()}));
 }
 
 }  // namespace arap

@@ -30,7 +30,8 @@ struct TokenEntry {
   bool admin = false;
   std::string salt;
   std::string sha256;
-  std::optional<std::chrono::system_clock::time_point> expires;  // in whole seconds
+  // Seconds, because the clock's nanoseconds end in the year 2262 and the file's years in 9999.
+  std::optional<std::chrono::sys_seconds> expires;
   // Of the owner for calls with this token, by name; what is missing is the server's.
   std::map<std::string, std::uint64_t> limits;
 };
@@ -43,7 +44,7 @@ Result<std::vector<TokenEntry>> ParseTokenFile(std::string_view text, const std:
 // The text that ParseTokenFile reads back.
 std::string FormatTokenFile(std::span<const TokenEntry> entries);
 
-// "2027-01-31T00:00:00Z".
-std::string FormatExpiry(std::chrono::system_clock::time_point time);
+// "2027-01-31T00:00:00Z", for the years 0 to 9999.
+std::string FormatExpiry(std::chrono::sys_seconds time);
 
 }  // namespace arap

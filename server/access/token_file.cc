@@ -22,6 +22,11 @@ TokenFile::Entry NoEntry() {
   return {{}, std::string(kTokenSaltDigits, '0'), std::string(kTokenSecretDigits, '0'), {}};
 }
 
+// In seconds: as the clock's nanoseconds, times after 2262 would overflow.
+bool HasExpired(const TokenFile::Entry& entry, TokenFile::Wall now) {
+  return entry.expires && *entry.expires <= std::chrono::floor<std::chrono::seconds>(now);
+}
+
 // The limits of the entry, or else the defaults.
 OwnerLimits LimitsOf(const TokenEntry& entry, OwnerLimits limits) {
   for (const LimitInfo& info : kLimits) {
@@ -87,7 +92,7 @@ Result<Caller> TokenFile::Check(std::string_view token, Wall now) const {
   if (!known || !same) {
     return Fail(FaultKind::kUnauthenticated, "This server does not know the bearer token.");
   }
-  if (entry.expires && *entry.expires <= now) {
+  if (HasExpired(entry, now)) {
     return Fail(FaultKind::kUnauthenticated, "The bearer token has expired.");
   }
   return entry.caller;
@@ -96,7 +101,7 @@ Result<Caller> TokenFile::Check(std::string_view token, Wall now) const {
 bool TokenFile::Holds(std::string_view id, std::string_view owner, Wall now) const {
   const auto found = entries_.find(id);
   return found != entries_.end() && found->second.caller.owner == owner &&
-         !(found->second.expires && *found->second.expires <= now);
+         !HasExpired(found->second, now);
 }
 
 }  // namespace arap::app

@@ -44,7 +44,7 @@ class TokenFile {
     Caller caller;
     std::string salt;
     std::string sha256;
-    std::optional<Wall> expires;
+    std::optional<std::chrono::sys_seconds> expires;
   };
 
  private:

@@ -93,6 +93,18 @@ TEST_F(TokenCommand, ListsAndRevokes) {
   EXPECT_EQ(Read().size(), 0u);
 }
 
+TEST_F(TokenCommand, ExpiriesOfOthersStayAsTheyAre) {
+  const std::string alice = Add({"alice", "--expires-days", "2"});
+  Put("tokens.json",
+      std::regex_replace(Slurp(file()), std::regex("\"20[^\"]*Z\""), "\"9999-12-31T23:59:59Z\""));
+  Add({"bob"});
+  EXPECT_THAT(Slurp(file()), HasSubstr("\"9999-12-31T23:59:59Z\""));
+  EXPECT_EQ(Arapctl({"token", "revoke", "--file", file(), "--owner", "bob"}).code, 0);
+  EXPECT_THAT(Arapctl({"token", "list", "--file", file()}).out,
+              HasSubstr(" alice user 9999-12-31T23:59:59Z\n"));
+  EXPECT_TRUE(Check(Read(), alice));
+}
+
 TEST_F(TokenCommand, WrongCommandLinesAndFiles) {
   for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
            {"token"},

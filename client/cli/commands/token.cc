@@ -105,7 +105,8 @@ Status Add(const TokenFlags& flags) {
   entry.sha256 = token.sha256;
   entry.limits = flags.limits;
   if (flags.expires_days > 0) {
-    entry.expires = std::chrono::system_clock::now() + std::chrono::hours(24) * flags.expires_days;
+    entry.expires = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()) +
+                    std::chrono::days(flags.expires_days);
   }
   CHECK_OK(WriteEntries(flags.file, entries));
   fmt::print("{}\n", token.text);

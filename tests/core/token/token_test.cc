@@ -88,6 +88,23 @@ TEST(TokenFile, IsReadAsItWasWritten) {
   EXPECT_EQ(FormatTokenFile({}), "[]\n");
 }
 
+TEST(TokenFile, ExpiriesOfAllYearsAreWrittenAsTheyWereRead) {
+  const auto token = MakeToken();
+  ASSERT_TRUE(token);
+  TokenEntry entry{token->id, "alice", false, token->salt, token->sha256, {}, {}};
+  entry.expires = std::chrono::sys_days(std::chrono::year(2027) / 1 / 31);
+  const std::string written = FormatTokenFile(std::vector{entry});
+  for (const std::string expires :
+       {"0000-01-01T00:00:00Z", "0999-12-31T00:00:01Z", "1600-02-29T23:59:59Z",
+        "2262-04-11T23:47:17Z", "9999-12-31T23:59:59Z"}) {
+    std::string text = written;
+    text.replace(text.find("2027-"), expires.size(), expires);
+    const auto read = ParseTokenFile(text, "tokens.json");
+    ASSERT_TRUE(read) << expires;
+    EXPECT_EQ(FormatTokenFile(*read), text);
+  }
+}
+
 TEST(TokenFile, FaultsNameTheEntryAndTheField) {
   const auto token = MakeToken();
   ASSERT_TRUE(token);

@@ -79,6 +79,17 @@ TEST(TokenFile, TokensExpireAtTheirTime) {
   EXPECT_THAT(late.error().message, HasSubstr("expired"));
 }
 
+TEST(TokenFile, ExpiriesMayBeFarAway) {
+  const TestToken alice('a', "alice"), bob('b', "bob");
+  const auto file = Parse("[" + alice.Entry(R"("expires": "9999-12-31T23:59:59Z")") + "," +
+                          bob.Entry(R"("expires": "0000-01-01T00:00:00Z")") + "]");
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_TRUE(file->Check(alice.Text(), kNow));
+  EXPECT_TRUE(file->Holds(TokenFile::IdOf(alice.Text()), "alice", kNow));
+  EXPECT_FALSE(file->Check(bob.Text(), kNow));
+  EXPECT_FALSE(file->Holds(TokenFile::IdOf(bob.Text()), "bob", kNow));
+}
+
 TEST(TokenFile, LimitsThatAreNotStatedAreTheServers) {
   const TestToken alice('a', "alice");
   const auto file = Parse(
