@@ -153,26 +153,58 @@ OrderedJson ToJson(const TokenEntry& entry) {
   return json;
 }
 
-}  // namespace
-
-Result<std::vector<TokenEntry>> ParseTokenFile(std::string_view text, const std::string& name) {
-  const Json array = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+template <class AnyJson>
+Result<AnyJson> ParseArray(std::string_view text, const std::string& name) {
+  AnyJson array = AnyJson::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!array.is_array()) {
     return Fail(
         Fault(FaultKind::kInvalidOption, fmt::format("Token file {} is not a JSON array.", name))
             .Detail("file", name));
   }
-  std::vector<TokenEntry> entries;
+  return array;
+}
+
+// Every entry, or what is wrong with it.
+std::vector<Result<TokenEntry>> ParseEntries(const Json& array, const std::string& name) {
+  std::vector<Result<TokenEntry>> entries;
   std::set<std::string> ids;
   for (std::size_t i = 0; i < array.size(); ++i) {
     const Place place{name, i};
-    TRY(TokenEntry entry, ParseEntry(array[i], place));
-    if (!ids.insert(entry.id).second) {
-      return Fail(place.Bad("id", "is that of an entry before it"));
-    }
-    entries.push_back(std::move(entry));
+    Result<TokenEntry>& entry = entries.emplace_back(ParseEntry(array[i], place));
+    const bool repeated = !ids.insert(Text(array[i], "id")).second;
+    if (entry && repeated) entry = Fail(place.Bad("id", "is that of an entry before it"));
   }
   return entries;
+}
+
+}  // namespace
+
+Result<std::vector<TokenEntry>> ParseTokenFile(std::string_view text, const std::string& name) {
+  TRY(const Json array, ParseArray<Json>(text, name));
+  std::vector<TokenEntry> entries;
+  for (Result<TokenEntry>& entry : ParseEntries(array, name)) {
+    TRY(entries.emplace_back(), std::move(entry));
+  }
+  return entries;
+}
+
+Result<std::vector<RawTokenEntry>> ParseRawTokenFile(std::string_view text,
+                                                     const std::string& name) {
+  TRY(const OrderedJson ordered, ParseArray<OrderedJson>(text, name));
+  const Json array(ordered);
+  std::vector<Result<TokenEntry>> entries = ParseEntries(array, name);
+  std::vector<RawTokenEntry> raw;
+  for (std::size_t i = 0; i < array.size(); ++i) {
+    raw.push_back(
+        {ordered[i].dump(), Text(array[i], "id"), Text(array[i], "owner"), std::move(entries[i])});
+  }
+  return raw;
+}
+
+std::string FormatRawTokenFile(std::span<const RawTokenEntry> entries) {
+  OrderedJson json = OrderedJson::array();
+  for (const RawTokenEntry& entry : entries) json.push_back(OrderedJson::parse(entry.json));
+  return json.dump(2) + "\n";
 }
 
 std::string FormatTokenFile(std::span<const TokenEntry> entries) {

@@ -44,6 +44,23 @@ Result<std::vector<TokenEntry>> ParseTokenFile(std::string_view text, const std:
 // The text that ParseTokenFile reads back.
 std::string FormatTokenFile(std::span<const TokenEntry> entries);
 
+// An entry as it stands in the file, good or damaged: to list a damaged file and to remove entries
+// from it.
+struct RawTokenEntry {
+  std::string json;
+  // The texts of these fields, whatever they are; empty where there is none.
+  std::string id;
+  std::string owner;
+  Result<TokenEntry> entry;  // or the fault for which ParseTokenFile refuses the file
+};
+
+// kInvalidOption only for a text that is no JSON array.
+Result<std::vector<RawTokenEntry>> ParseRawTokenFile(std::string_view text,
+                                                     const std::string& name);
+
+// The file of these entries, each with the fields and values that it was read with.
+std::string FormatRawTokenFile(std::span<const RawTokenEntry> entries);
+
 // "2027-01-31T00:00:00Z", for the years 0 to 9999.
 std::string FormatExpiry(std::chrono::sys_seconds time);
 

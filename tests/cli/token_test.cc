@@ -105,6 +105,52 @@ TEST_F(TokenCommand, ExpiriesOfOthersStayAsTheyAre) {
   EXPECT_TRUE(Check(Read(), alice));
 }
 
+TEST_F(TokenCommand, DamagedFilesAreListedAndRepaired) {
+  const std::string alice = Add({"alice"});
+  std::string text = Slurp(file());
+  const std::string good = text.substr(2, text.rfind("\n]") - 2);
+  // Numbers and fields that the server does not know stay as well.
+  const std::string king = R"(  {
+    "id": "k1",
+    "role": "king",
+    "owner": "bob",
+    "note": [
+      1.5
+    ]
+  })";
+  const std::string odd = "  {\n    \"id\": \"x\\u001b\"\n  }";
+  const auto put = [&](const std::string& entries) {
+    return Put("tokens.json", "[\n" + entries + "\n]\n");
+  };
+  put(good + ",\n" + king + ",\n" + odd + ",\n  7");
+  const Outcome list = Arapctl({"token", "list", "--file", file()});
+  EXPECT_EQ(list.code, 0) << list.err;
+  EXPECT_THAT(list.out, HasSubstr(" alice user never\n"));
+  EXPECT_THAT(list.out, HasSubstr("\nk1 bob damaged: Token file " + file() + ", entry 1: "));
+  EXPECT_THAT(list.out, HasSubstr(", entry 3: it is not an object.\n"));
+  EXPECT_THAT(list.out, Not(HasSubstr("\x1b")));
+  EXPECT_EQ(std::count(list.out.begin(), list.out.end(), '\n'), 4);
+  // Empty arguments match no entry, also none without an id or an owner.
+  text = Slurp(file());
+  for (const char* which : {"--id", "--owner"}) {
+    EXPECT_EQ(Arapctl({"token", "revoke", "--file", file(), which, ""}).code, 1);
+  }
+  EXPECT_EQ(Arapctl({"token", "add", "--file", file(), "--owner", "a"}).code, 1);
+  EXPECT_EQ(Slurp(file()), text);
+
+  put(good + ",\n" + king + ",\n" + odd);
+  const Outcome first = Arapctl({"token", "revoke", "--file", file(), "--id", "x\x1b"});
+  EXPECT_EQ(first.code, 0) << first.err;
+  EXPECT_THAT(first.err, HasSubstr("1 token revoked\n"));
+  EXPECT_THAT(first.err, HasSubstr(", entry 1: "));
+  EXPECT_THAT(first.err, HasSubstr("keeps its old tokens"));
+  EXPECT_EQ(Slurp(file()), "[\n" + good + ",\n" + king + "\n]\n");
+  const Outcome last = Arapctl({"token", "revoke", "--file", file(), "--owner", "bob"});
+  EXPECT_EQ(last.err, "arapctl: 1 token revoked\n");
+  EXPECT_EQ(Slurp(file()), "[\n" + good + "\n]\n");
+  EXPECT_TRUE(Check(Read(), alice));
+}
+
 TEST_F(TokenCommand, WrongCommandLinesAndFiles) {
   for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
            {"token"},

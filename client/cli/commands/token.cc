@@ -43,13 +43,16 @@ std::string CheckOwner(const std::string& owner) {
   return IsName(owner) ? "" : "an owner is 1 to 128 characters of [A-Za-z0-9._-]";
 }
 
-// No entries for a file that is not there, unless `must_exist`.
-Result<std::vector<TokenEntry>> ReadEntries(const std::string& path, bool must_exist) {
-  if (!must_exist && access(path.c_str(), F_OK) != 0 && errno == ENOENT) {
-    return std::vector<TokenEntry>();
-  }
+// No entries for a file that is not there; a damaged file is refused.
+Result<std::vector<TokenEntry>> ReadEntries(const std::string& path) {
+  if (access(path.c_str(), F_OK) != 0 && errno == ENOENT) return std::vector<TokenEntry>();
   TRY(const std::string text, ReadTextFile(path));
   return ParseTokenFile(text, path);
+}
+
+Result<std::vector<RawTokenEntry>> ReadRawEntries(const std::string& path) {
+  TRY(const std::string text, ReadTextFile(path));
+  return ParseRawTokenFile(text, path);
 }
 
 // The whole text, then onto the disk.
@@ -77,7 +80,7 @@ bool CopyPermissions(const std::string& path, int descriptor) {
 // A new file takes the place of the old one at once, so that no reader sees half of it. It has the
 // mode 0600, or, where there was one, that of the old file without what lets others in, and its
 // owner and group as far as we may set them. Two writers at a time: the last one wins.
-Status WriteEntries(const std::string& path, const std::vector<TokenEntry>& entries) {
+Status ReplaceFile(const std::string& path, const std::string& text) {
   const auto fault = [&path] {
     return Fail(FaultKind::kInternal,
                 fmt::format("Cannot write {}: {}.", path, std::generic_category().message(errno)));
@@ -85,8 +88,7 @@ Status WriteEntries(const std::string& path, const std::vector<TokenEntry>& entr
   std::string fresh = path + ".XXXXXX";
   const int descriptor = mkstemp(fresh.data());
   if (descriptor < 0) return fault();
-  const bool written =
-      CopyPermissions(path, descriptor) && WriteAll(descriptor, FormatTokenFile(entries));
+  const bool written = CopyPermissions(path, descriptor) && WriteAll(descriptor, text);
   const bool closed = close(descriptor) == 0;
   if (written && closed && rename(fresh.c_str(), path.c_str()) == 0) return {};
   Status failed = fault();
@@ -95,7 +97,7 @@ Status WriteEntries(const std::string& path, const std::vector<TokenEntry>& entr
 }
 
 Status Add(const TokenFlags& flags) {
-  TRY(auto entries, ReadEntries(flags.file, /*must_exist=*/false));
+  TRY(auto entries, ReadEntries(flags.file));
   TRY(const NewToken token, MakeToken());
   TokenEntry& entry = entries.emplace_back();
   entry.id = token.id;
@@ -108,7 +110,7 @@ Status Add(const TokenFlags& flags) {
     entry.expires = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()) +
                     std::chrono::days(flags.expires_days);
   }
-  CHECK_OK(WriteEntries(flags.file, entries));
+  CHECK_OK(ReplaceFile(flags.file, FormatTokenFile(entries)));
   fmt::print("{}\n", token.text);
   fmt::print(stderr, "arapctl: this is the only time that the token is shown; {} has its hash\n",
              flags.file);
@@ -116,8 +118,14 @@ Status Add(const TokenFlags& flags) {
 }
 
 Status List(const TokenFlags& flags) {
-  TRY(const auto entries, ReadEntries(flags.file, /*must_exist=*/true));
-  for (const TokenEntry& entry : entries) {
+  TRY(const auto entries, ReadRawEntries(flags.file));
+  for (const RawTokenEntry& raw : entries) {
+    if (!raw.entry) {
+      const auto shown = [](const std::string& text) { return IsName(text) ? text : Quote(text); };
+      fmt::print("{} {} damaged: {}\n", shown(raw.id), shown(raw.owner), raw.entry.error().message);
+      continue;
+    }
+    const TokenEntry& entry = *raw.entry;
     fmt::print("{} {} {} {}", entry.id, entry.owner, entry.admin ? "admin" : "user",
                entry.expires ? FormatExpiry(*entry.expires) : "never");
     for (const auto& [name, value] : entry.limits) fmt::print(" {}={}", name, value);
@@ -127,14 +135,22 @@ Status List(const TokenFlags& flags) {
 }
 
 Status Revoke(const TokenFlags& flags) {
-  TRY(auto entries, ReadEntries(flags.file, /*must_exist=*/true));
-  const auto count = std::erase_if(entries, [&](const TokenEntry& entry) {
-    return flags.id.empty() ? entry.owner == flags.owner : entry.id == flags.id;
+  TRY(auto entries, ReadRawEntries(flags.file));
+  const bool by_id = !flags.id.empty();
+  const std::string& wanted = by_id ? flags.id : flags.owner;
+  const auto count = std::erase_if(entries, [&](const RawTokenEntry& raw) {
+    // A damaged entry without a name is not the one that is wanted by an empty argument.
+    return !wanted.empty() && (by_id ? raw.id : raw.owner) == wanted;
   });
   if (count == 0) return Fail(FaultKind::kNotFound, flags.file + " has no such token.");
-  CHECK_OK(WriteEntries(flags.file, entries));
+  const std::string text = FormatRawTokenFile(entries);
+  CHECK_OK(ReplaceFile(flags.file, text));
   fmt::print(stderr, "arapctl: {} revoked\n",
              count == 1 ? "1 token" : fmt::format("{} tokens", count));
+  if (const auto left = ParseTokenFile(text, flags.file); !left) {
+    fmt::print(stderr, "arapctl: {} A server keeps its old tokens until that is mended.\n",
+               left.error().message);
+  }
   return {};
 }
 

@@ -105,6 +105,39 @@ TEST(TokenFile, ExpiriesOfAllYearsAreWrittenAsTheyWereRead) {
   }
 }
 
+TEST(TokenFile, DamagedEntriesAreReadAndWrittenAsTheyStand) {
+  const auto token = MakeToken();
+  ASSERT_TRUE(token);
+  const TokenEntry good{token->id, "alice", false, token->salt, token->sha256, {}, {}};
+  std::string text = FormatTokenFile(std::vector{good, good});
+  text.replace(text.rfind("\n]"), 2, R"(,
+  7,
+  {
+    "owner": "b/b",
+    "note": [
+      1.5
+    ],
+    "id": "x"
+  }
+])");
+  const auto raw = ParseRawTokenFile(text, "tokens.json");
+  ASSERT_TRUE(raw) << raw.error().message;
+  ASSERT_EQ(raw->size(), 4u);
+  EXPECT_TRUE((*raw)[0].entry);
+  const std::vector<std::string> fields{"[1].id", "[2].it", "[3].note"};
+  for (std::size_t i = 1; i < 4; ++i) {
+    ASSERT_FALSE((*raw)[i].entry) << i;
+    EXPECT_EQ((*raw)[i].entry.error().field, fields[i - 1]);
+  }
+  EXPECT_EQ((*raw)[1].id, token->id);
+  EXPECT_EQ((*raw)[2].id, "");
+  EXPECT_EQ((*raw)[3].id, "x");
+  EXPECT_EQ((*raw)[3].owner, "b/b");
+  EXPECT_EQ(FormatRawTokenFile(*raw), text);
+  EXPECT_EQ(ParseTokenFile(text, "tokens.json").error().field, "[1].id");
+  EXPECT_FALSE(ParseRawTokenFile("{}", "tokens.json"));
+}
+
 TEST(TokenFile, FaultsNameTheEntryAndTheField) {
   const auto token = MakeToken();
   ASSERT_TRUE(token);
