@@ -176,7 +176,7 @@ int Serve(const arap::config::Outcome& outcome) {
   const std::vector<ReloadHook> hooks = {
       {"access", [&] { return (*host)->credentials().Reload(); }}};
   const int signal = AwaitStop(hooks);
-  (*host)->Drain();
+  (*host)->AnnounceStop();
   spdlog::info("event=draining signal={} streams={} delay_s={}", signal,
                (*host)->engine().streams.count(), config.drain_delay_seconds);
   AwaitDelay(arap::config::Milliseconds(config.drain_delay_seconds), hooks);

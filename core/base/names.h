@@ -12,7 +12,7 @@ namespace arap {
 
 inline constexpr std::size_t kMaxNameLength = 128;
 
-// The owner of whoever gives no identity, where none is asked for. No token is made out to it.
+// The owner of callers without an identity, on servers that require none. No token can name it.
 inline constexpr const char* kNobody = "anonymous";
 
 // 1 to 128 characters of [A-Za-z0-9._-].

@@ -1,4 +1,4 @@
-// The tables of CompiledHandles, for this room only.
+// The tables of CompiledHandles, for this folder only.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// ConstraintSolver: how a set of constraint rows bends a shape, behind one door.
+// ConstraintSolver: how a set of constraint rows bends a shape, behind one interface.
 //
 // Two ways lead to the same minimiser [algorithm §2]: the null-space form on the mesh's own factors
 // (null_space_solver.h), cheap to compile and to edit, and a direct factorisation of mesh and

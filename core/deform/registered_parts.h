@@ -1,4 +1,4 @@
-// The tables of a RegisteredMesh, for this room only.
+// The tables of a RegisteredMesh, for this folder only.
 #pragma once
 
 #include <memory>

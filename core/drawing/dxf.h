@@ -1,4 +1,4 @@
-// Patterns for cutters and CAD.
+// DXF files of patterns, for cutters and CAD.
 #pragma once
 
 #include <string>

@@ -35,7 +35,7 @@ void AddRotatedEdges(const Cells& cells, ConstShapeView v, std::span<const Compl
 double RigidEnergy(const Cells& cells, ConstShapeView v);
 
 // The arithmetic on a few hundred hinges or faces at a time, written so that the compiler can take
-// several at once. For this room only.
+// several at once. For this folder only.
 //
 // There is one body per kernel and two machine codes of it, chosen once by what the processor can
 // do. Every lane does the same operations in the same order: both give the same bytes.

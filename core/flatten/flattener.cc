@@ -61,7 +61,7 @@ Status CheckEnergy(const FlattenOptions& options, std::size_t triangles) {
   if (energy.basis == Basis::kVertex) {
     return Fail(BadOption("VERTEX cells are for planar meshes; a surface takes EDGE or FACE cells.",
                           "energy.basis")
-                    .Detail("value", "VERTEX"));
+                    .Detail("value", "BASIS_VERTEX"));
   }
   if (options.method == FlattenMethod::kAbf && energy.basis != Basis::kFace) {
     return Fail(BadOption("Angle-based flattening takes FACE cells only.", "energy.basis"));
@@ -78,7 +78,8 @@ Status CheckPin(const UvPin& pin, std::size_t i) {
   const auto bad = [&](std::string sentence, std::string_view member, double value) {
     return Fail(BadOption(std::move(sentence), fmt::format("pins[{}].{}", i, member))
                     .Element(pin.vertex)
-                    .Detail("value", value));
+                    .Detail("value", value)
+                    .Detail("limit", kMaxPinWeight));
   };
   if (!std::isfinite(pin.uv.real())) {
     return bad(fmt::format("pins[{}].u is NaN or infinite.", i), "u", pin.uv.real());

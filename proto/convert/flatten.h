@@ -21,8 +21,7 @@ namespace arap::convert {
 // Faults: kInvalidOption (a value that this version does not know, a basis or weights that
 // contradict the method, more refinements than max_refine), kArrayLength.
 Result<FlattenOptions> FromWire(const v1::FlattenRequest& request, std::uint32_t max_refine);
-// Refinements that are those of the
-// method's preset are left to the server.
+// Refinements that are those of the method's preset are left to the server.
 void ToWire(const FlattenOptions& options, v1::FlattenRequest* out);
 
 // A fault of the core with its field in the spelling of the request.

@@ -98,7 +98,7 @@ google::rpc::Status ToRpcStatus(const Fault& fault) {
     status.add_details()->PackFrom(bad_request);
   }
   if (known.retry.count() > 0) {
-    // A field at fault is as large a second later.
+    // When the fault names a field the request itself is too large: trying again soon cannot help.
     const auto delay = fault.field.empty() ? known.retry : kLimitRetry;
     google::rpc::RetryInfo retry;
     retry.mutable_retry_delay()->set_seconds(delay.count() / 1000);

@@ -1,5 +1,6 @@
 // OwnerQuotas: how many sessions, meshes and handle sets an owner may have in the store, and how
-// many sessions all owners together.
+// many sessions all owners together. An owner's open streams are counted in streams/open_streams.h,
+// its bytes in derived_cache.h.
 #pragma once
 
 #include <cstddef>

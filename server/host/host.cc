@@ -171,15 +171,15 @@ class Host::Impl {
     Serving(verdict.ready());
   }
 
-  void Drain() {
-    readiness_.Drain();
+  void AnnounceStop() {
+    readiness_.AnnounceStop();
     const MutexLock lock(&health_mutex_);
     said_ = Verdict::State::kDraining;
     Serving(false);
   }
 
   void Stop(std::chrono::milliseconds grace) {
-    Drain();
+    AnnounceStop();
     for (runtime::Ticker* ticker : {health_ticker_.get(), sweep_ticker_.get()}) {
       if (ticker != nullptr) ticker->Stop();
     }
@@ -270,7 +270,7 @@ const Readiness& Host::readiness() const { return impl_->readiness(); }
 
 void Host::RefreshHealth() { impl_->RefreshHealth(); }
 
-void Host::Drain() { impl_->Drain(); }
+void Host::AnnounceStop() { impl_->AnnounceStop(); }
 
 void Host::Stop(std::chrono::milliseconds grace) { impl_->Stop(grace); }
 

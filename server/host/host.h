@@ -65,9 +65,9 @@ class Host {
 
   // Not ready and NOT_SERVING from now on, while everything goes on working: load balancers look
   // for another server before this one refuses anything. Harmless when repeated.
-  void Drain();
+  void AnnounceStop();
 
-  // Drains, ends streams and tracks with DRAINING after the frame in work, refuses new calls, waits
+  // Announces it, ends streams and tracks with DRAINING after the frame in work, refuses new calls, waits
   // at most `grace` for the running ones, cancels the rest. Returns when nothing runs any more. The
   // admin page is served until then. Harmless when repeated.
   void Stop(std::chrono::milliseconds grace);

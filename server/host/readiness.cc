@@ -43,7 +43,7 @@ void Readiness::Probe() {
   store_fault_ = answer ? "" : fmt::format("The store fails: {}.", FaultName(answer.error().kind));
 }
 
-void Readiness::Drain() {
+void Readiness::AnnounceStop() {
   const MutexLock lock(&mutex_);
   draining_ = true;
 }

@@ -49,7 +49,7 @@ class Readiness {
   void Probe();
 
   // From now on draining, whatever else.
-  void Drain();
+  void AnnounceStop();
 
   // Never blocks. A probe that runs for longer than the patience counts as failed.
   Verdict Check() const;

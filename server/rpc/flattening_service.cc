@@ -18,6 +18,11 @@ Status Flatten(app::Engine& engine, const v1::FlattenRequest& request, const Cal
   const app::Limits& limits = engine.limits;
   CHECK_OK(CheckBudget(request, limits));
   TRY(const auto options, FromWire(request, limits.max_refine));
+  // Before memory is taken: what is asked amiss stays so however much room there is.
+  const auto triangles = static_cast<std::size_t>(request.mesh().triangles_size() / 3);
+  if (auto good = CheckFlattenOptions(options, triangles); !good) {
+    return Fail(convert::SpelledForFlatten(std::move(good.error())));
+  }
   const MeshLimits bounds{limits.max_vertices, limits.max_triangles};
   TRY(auto mesh, FromWire(request.mesh(), bounds));
   auto answer = engine.surfaces.Flatten(call.caller, request.surface_key(), std::move(mesh),

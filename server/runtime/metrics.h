@@ -33,8 +33,8 @@ inline constexpr std::size_t kPhases = 11;
 const char* PhaseName(Phase phase);
 
 // Thread-safe; one per server. A call costs well below a microsecond. Names and kinds come from the
-// program and never from a request, so that there are few of them; the names
-// of the metrics are in metric_names.h.
+// program and never from a request, so that there are few of them; the names of the metrics are in
+// metric_names.h.
 class Metrics {
  public:
   // A value that is read whenever the metrics are.
@@ -52,7 +52,7 @@ class Metrics {
   void Queue(std::string_view lane, double seconds);
   // Work was done; queueing is not part of it.
   void Phase(runtime::Phase phase, double seconds);
-  // The store answered: Store("put_spec", 0.002, true).
+  // The store answered: Store("put", 0.002, true).
   void Store(std::string_view operation, double seconds, bool ok);
 
   // Serves the counts of a cache, or of a quota, from now on, also while they are 0.

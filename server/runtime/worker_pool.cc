@@ -145,6 +145,8 @@ std::optional<WorkerPool::Posted> WorkerPool::Take(std::size_t thread) {
   jobs.pop_front();
   running_since_[thread] = steady_clock::now();
   ++running_;
+  // Nobody else may end and say so.
+  if (HasFreeThread()) free_.SignalAll();
   return next;
 }
 

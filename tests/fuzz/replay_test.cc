@@ -66,6 +66,8 @@ Input Mutated(const Input& input, const Input& other, testing::Random& random) {
   return mutated;
 }
 
+void PrintTo(const FuzzTarget& target, std::ostream* out) { *out << target.name; }
+
 class ReplayTest : public ::testing::TestWithParam<FuzzTarget> {};
 
 TEST_P(ReplayTest, Corpus) {

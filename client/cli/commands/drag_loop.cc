@@ -75,13 +75,21 @@ void Count(Answer& answer, double round_trip, const DragScript& script, const On
   if (!shape.picks.empty()) times.picks = std::move(answer.shape.picks);
 }
 
+// Whether it neither turns nor scales a handle.
+bool IsPlain(const TrackFrame& frame) {
+  return std::all_of(frame.targets.begin(), frame.targets.end(),
+                     [](const Target& target) { return target.angle == 0 && target.scale == 1; });
+}
+
 }  // namespace
 
 DragScript::DragScript(const Track& track, bool hard, std::vector<Complex> pick_points)
     : track_(track),
       hard_(hard),
       pick_points_(std::move(pick_points)),
-      segments_(SegmentsOf(track)) {}
+      segments_(SegmentsOf(track)),
+      packed_(track.edits.empty() &&
+              std::all_of(track.frames.begin(), track.frames.end(), IsPlain)) {}
 
 const TrackEdit* DragScript::EditAt(std::size_t frame) const {
   const TrackSegment& segment = SegmentAt(segments_, frame);
@@ -99,10 +107,7 @@ Status DragScript::SendUpdate(client::DeformStream& stream, std::size_t frame) c
   update.sequence = UpdateSequence(frame);
   if (frame + 1 == frame_count()) update.pick_points = pick_points_;
   const std::vector<Target>& targets = track_.frames[frame].targets;
-  const bool plain = std::all_of(targets.begin(), targets.end(), [](const Target& target) {
-    return target.angle == 0 && target.scale == 1;
-  });
-  if (track_.edits.empty() && plain) {
+  if (packed_) {
     for (const Target& target : targets) update.positions.push_back(target.position);
     return stream.Send(update);
   }

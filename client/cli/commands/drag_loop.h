@@ -46,6 +46,7 @@ class DragScript {
   bool hard_;
   std::vector<Complex> pick_points_;
   std::vector<TrackSegment> segments_;
+  bool packed_;  // no frame turns or scales a handle: updates are positions alone
 };
 
 struct DragTimes {

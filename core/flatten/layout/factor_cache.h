@@ -20,7 +20,7 @@ namespace arap {
 
 // The last few things of one kind, by name.
 //
-// Things are immutable and outlive their place here with whoever has them. Not thread-safe.
+// Things are immutable and shared: one that is evicted lives as long as its users. Not thread-safe.
 template <class T>
 class Shelf {
  public:

@@ -10,6 +10,15 @@
 #include "client/cli/sample/grid.h"
 #include "tests/system/fault/server_process.h"
 
+namespace arap::client {
+
+// GoogleTest finds it by its name.
+static void PrintTo(Delivery delivery, std::ostream* out) {
+  *out << (delivery == Delivery::kLatest ? "latest" : "every");
+}
+
+}  // namespace arap::client
+
 namespace arap::fault {
 namespace {
 

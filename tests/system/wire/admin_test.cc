@@ -193,7 +193,7 @@ TEST_F(AdminTest, DrainingServerIsNotReadyButServes) {
   SetUpCorners();
   DeformStream stream(deformation());
   stream.Opened("s", "h", v1::DELIVERY_LATEST);
-  host().Drain();
+  host().AnnounceStop();
   EXPECT_EQ(Ready(), "404 draining");
   EXPECT_EQ(Health(host().addresses().front()), "\x08\x02");
   host().RefreshHealth();

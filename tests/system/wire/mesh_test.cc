@@ -132,6 +132,8 @@ struct Spoiled {
   const char* elements;  // "" when none are named
 };
 
+void PrintTo(const Spoiled& spoiled, std::ostream* out) { *out << spoiled.name; }
+
 void AddTriangle(v1::PlanarMesh& mesh, std::uint32_t i, std::uint32_t j, std::uint32_t k) {
   for (const std::uint32_t vertex : {i, j, k}) mesh.add_triangles(vertex);
 }

@@ -83,7 +83,7 @@ TEST_F(ReadinessTest, StoreThatDoesNotAnswerIsNotReady) {
 
 TEST_F(ReadinessTest, DrainingComesBeforeAllElse) {
   stats_.oldest_running = seconds(60);
-  readiness_.Drain();
+  readiness_.AnnounceStop();
   EXPECT_EQ(readiness_.Check().state, State::kDraining);
 }
 

@@ -44,7 +44,7 @@ struct StreamOptions {
   std::chrono::milliseconds heartbeat = std::chrono::seconds(5);
   // A Read, or an opening, that hears nothing for so long counts the server as gone. Longer than
   // the longest frame: a server that works on one may answer late, and after CloseSending it cannot
-  // be asked. Without heartbeat it counts for nothing.
+  // be asked. Ignored when heartbeat is 0.
   std::chrono::milliseconds silence = std::chrono::seconds(30);
 
   // For how long a stream that was lost is opened again and again, growing pauses of up to 2 s

@@ -2,8 +2,8 @@
 //
 // A fault carries a kind (one name per thing that can go wrong), a sentence for people, the ids of
 // the first offending elements and the numbers that the sentence mentions. One table says for every
-// kind what it is called, which status it becomes on the wire and when to try again; server, client
-// and docs/protocol.md all go by it.
+// kind what it is called, which status it becomes on the wire and when to try again (later where the
+// fault names a field, see proto/convert/status.cc); server, client and docs/protocol.md go by it.
 #pragma once
 
 #include <chrono>

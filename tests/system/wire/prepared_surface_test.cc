@@ -7,7 +7,7 @@
 namespace arap::wire {
 namespace {
 
-class FlattenCacheTest : public FlattenTest {
+class PreparedSurfaceTest : public FlattenTest {
  protected:
   static v1::FlattenRequest Keyed(const char* key) {
     v1::FlattenRequest request = RequestFor(testing::SphereCap(6, 14, 1.6));
@@ -27,14 +27,14 @@ class FlattenCacheTest : public FlattenTest {
   }
 };
 
-TEST_F(FlattenCacheTest, SecondTimeHits) {
+TEST_F(PreparedSurfaceTest, SecondTimeHits) {
   EXPECT_FALSE(Cached(Keyed("a")));
   EXPECT_TRUE(Cached(Keyed("a")));
   EXPECT_FALSE(Cached(Keyed(""))) << "without a key nothing is looked up";
   EXPECT_FALSE(Cached(Keyed("b"))) << "another key is another place";
 }
 
-TEST_F(FlattenCacheTest, KeptSurfaceChangesNoAnswer) {
+TEST_F(PreparedSurfaceTest, KeptSurfaceChangesNoAnswer) {
   // One after the other under one key, so that what one leaves behind meets the next.
   const v1::FlattenRequest plain = Keyed("");
   std::vector<v1::FlattenRequest> requests(10, plain);
@@ -72,7 +72,7 @@ TEST_F(FlattenCacheTest, KeptSurfaceChangesNoAnswer) {
   }
 }
 
-TEST_F(FlattenCacheTest, OtherContentTakesThePlace) {
+TEST_F(PreparedSurfaceTest, OtherContentTakesThePlace) {
   const v1::FlattenRequest first = Keyed("a");
   v1::FlattenRequest moved = first;
   moved.mutable_mesh()->set_vertices(0, 0.001);
@@ -92,7 +92,7 @@ TEST_F(FlattenCacheTest, OtherContentTakesThePlace) {
   EXPECT_TRUE(Bytes(moved, "a") == Bytes(moved, ""));
 }
 
-TEST_F(FlattenCacheTest, LongestUnusedGoesFirst) {
+TEST_F(PreparedSurfaceTest, LongestUnusedGoesFirst) {
   options().limits.max_cached_surfaces = 2;
   EXPECT_FALSE(Cached(Keyed("a")));
   EXPECT_FALSE(Cached(Keyed("b")));
@@ -102,14 +102,14 @@ TEST_F(FlattenCacheTest, LongestUnusedGoesFirst) {
   EXPECT_FALSE(Cached(Keyed("b")));
 }
 
-TEST_F(FlattenCacheTest, NoPlacesNoCache) {
+TEST_F(PreparedSurfaceTest, NoPlacesNoCache) {
   options().limits.max_cached_surfaces = 0;
   EXPECT_FALSE(Cached(Keyed("a")));
   EXPECT_FALSE(Cached(Keyed("a")));
   EXPECT_EQ(host().engine().surfaces.bytes(), 0u);
 }
 
-TEST_F(FlattenCacheTest, RefusedOptionsKeepTheSurface) {
+TEST_F(PreparedSurfaceTest, RefusedOptionsKeepTheSurface) {
   v1::FlattenRequest request = Keyed("a");
   request.add_pins()->set_vertex(100'000);
   v1::FlattenResponse response;
@@ -121,7 +121,7 @@ TEST_F(FlattenCacheTest, RefusedOptionsKeepTheSurface) {
   EXPECT_EQ(host().engine().surfaces.entries(), 1u) << "what is no surface is not kept";
 }
 
-TEST_F(FlattenCacheTest, ManyAtOnce) {
+TEST_F(PreparedSurfaceTest, ManyAtOnce) {
   options().lanes = {2, 4};
   options().limits.max_queued_jobs = 64;
   const std::string expected = Bytes(Keyed(""), "");

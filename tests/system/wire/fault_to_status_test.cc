@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kKinds = static_cast<int>(FaultKind::kInternal) + 1;
 
-TEST(StatusMapTest, EveryKindHasItsOwnReasonOfTheInterface) {
+TEST(FaultToStatusTest, EveryKindHasItsOwnReasonOfTheInterface) {
   const auto* reasons = v1::ErrorReason_descriptor();
   std::set<std::string> used;
   for (int i = 0; i < kKinds; ++i) {
@@ -24,7 +24,7 @@ TEST(StatusMapTest, EveryKindHasItsOwnReasonOfTheInterface) {
   EXPECT_EQ(static_cast<int>(used.size()), reasons->value_count() - 1);
 }
 
-TEST(StatusMapTest, ReasonIsTheNameOfTheFault) {
+TEST(FaultToStatusTest, ReasonIsTheNameOfTheFault) {
   for (int i = 0; i < kKinds; ++i) {
     std::string name = FaultName(static_cast<FaultKind>(i));
     for (char& c : name) c = c == '_' ? c : static_cast<char>(c - 'a' + 'A');
@@ -32,7 +32,7 @@ TEST(StatusMapTest, ReasonIsTheNameOfTheFault) {
   }
 }
 
-TEST(StatusMapTest, DetailsTellEverything) {
+TEST(FaultToStatusTest, DetailsTellEverything) {
   Fault fault = Fault(FaultKind::kDegenerateTriangle, "Triangle 7 has no area.")
                     .Field("triangles")
                     .Elements({7, 9});
@@ -50,7 +50,7 @@ TEST(StatusMapTest, DetailsTellEverything) {
   EXPECT_EQ(in_stream.fields, error.fields);
 }
 
-TEST(StatusMapTest, OnlyWhatPassesIsToBeRetried) {
+TEST(FaultToStatusTest, OnlyWhatPassesIsToBeRetried) {
   for (int i = 0; i < kKinds; ++i) {
     const auto kind = static_cast<FaultKind>(i);
     const wire::WireError error = wire::Decode(convert::ToGrpcStatus({kind, "A sentence."}));
@@ -64,7 +64,7 @@ TEST(StatusMapTest, OnlyWhatPassesIsToBeRetried) {
   }
 }
 
-TEST(StatusMapTest, LongTextsAreCutBetweenCharacters) {
+TEST(FaultToStatusTest, LongTextsAreCutBetweenCharacters) {
   std::string text;
   while (text.size() < 100'000) text += "ä";
   Fault fault = Fault(FaultKind::kUnknownHandle, "x" + text).Field(text);
