@@ -13,6 +13,10 @@
 #include "tests/support/random.h"
 
 namespace arap::fuzz {
+
+// GoogleTest finds it by its name.
+static void PrintTo(const FuzzTarget& target, std::ostream* out) { *out << target.name; }
+
 namespace {
 
 using Input = std::vector<std::uint8_t>;
@@ -65,8 +69,6 @@ Input Mutated(const Input& input, const Input& other, testing::Random& random) {
   }
   return mutated;
 }
-
-void PrintTo(const FuzzTarget& target, std::ostream* out) { *out << target.name; }
 
 class ReplayTest : public ::testing::TestWithParam<FuzzTarget> {};
 
