@@ -10,7 +10,6 @@
 #include "core/base/try.h"
 #include "core/energy/cells.h"
 #include "core/flatten/distortion.h"
-#include "core/flatten/injective/upright.h"
 #include "core/flatten/sheet/overlap.h"
 #include "core/flatten/sheet/pack.h"
 

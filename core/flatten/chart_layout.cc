@@ -8,9 +8,8 @@
 
 #include "core/base/try.h"
 #include "core/flatten/abf/abf.h"
+#include "core/flatten/distortion.h"
 #include "core/flatten/injective/injective.h"
-#include "core/flatten/injective/upright.h"
-#include "core/flatten/layout/chart_factors.h"
 #include "core/flatten/layout/first_step.h"
 #include "core/flatten/layout/held.h"
 #include "core/flatten/layout/local_global.h"
@@ -199,12 +198,11 @@ class LayoutSteps {
   }
 
   bool IsInjective() const {
-    if (!NotUpright(chart_.mesh.triangles, layout_.uv, chart_.left_out).empty()) return false;
     std::vector<bool> boundary(n());
     for (const auto& loop : chart_.loops) {
       for (const std::uint32_t v : loop) boundary[v] = true;
     }
-    return WoundTwice(chart_.mesh.triangles, layout_.uv, boundary, chart_.left_out).empty();
+    return LocallyInjective(chart_.mesh.triangles, layout_.uv, boundary, chart_.left_out);
   }
 
   // Into the units of the input, and to where a grain line and a single pin want it.

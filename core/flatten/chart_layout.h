@@ -6,7 +6,7 @@
 
 #include "arap/core/flattener.h"
 #include "core/flatten/chart.h"
-#include "core/flatten/layout/factor_cache.h"
+#include "core/flatten/layout/chart_factors.h"
 #include "core/flatten/layout/wishes.h"
 #include "core/sparse/factor.h"
 

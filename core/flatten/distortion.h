@@ -1,9 +1,12 @@
-// Distortion: how far a piecewise linear mapping is from an isometry.
+// Distortion: how far a piecewise linear mapping is from an isometry, and whether it is injective
+// around every point.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "arap/model/flatten.h"
 
@@ -40,5 +43,28 @@ class DistortionSum {
 
   static Distortion Zero();
 };
+
+// Counter-clockwise by more than the rounding of its corners' coordinates, so that the sign of the
+// area is certain and stays when the layout is scaled. False when a coordinate is not finite.
+bool Upright(Complex a, Complex b, Complex c);
+
+// Triangles that are not upright, ascending; those in the mask `left_out` (#F or empty) do not
+// count.
+std::vector<std::uint32_t> NotUpright(std::span<const Triangle> triangles,
+                                      std::span<const Complex> uv,
+                                      const std::vector<bool>& left_out = {});
+
+// Inner vertices whose upright triangles go round them more than once (a branch point of the map),
+// ascending. `boundary` (#V) marks the vertices that are not inner. Needs a layout whose triangles
+// are all upright; nothing is decided at vertices of triangles left out.
+std::vector<std::uint32_t> WoundTwice(std::span<const Triangle> triangles,
+                                      std::span<const Complex> uv,
+                                      const std::vector<bool>& boundary,
+                                      const std::vector<bool>& left_out = {});
+
+// Whether all triangles that count are upright and no inner vertex is wound twice: the layout is
+// injective around every point. Far parts of it may still overlap.
+bool LocallyInjective(std::span<const Triangle> triangles, std::span<const Complex> uv,
+                      const std::vector<bool>& boundary, const std::vector<bool>& left_out = {});
 
 }  // namespace arap

@@ -15,7 +15,7 @@
 #include "core/flatten/assembly.h"
 #include "core/flatten/chart.h"
 #include "core/flatten/chart_layout.h"
-#include "core/flatten/layout/factor_cache.h"
+#include "core/flatten/layout/chart_factors.h"
 #include "core/flatten/layout/wishes.h"
 
 namespace arap {

@@ -13,7 +13,6 @@
 #include "core/flatten/distortion.h"
 #include "core/flatten/injective/newton.h"
 #include "core/flatten/injective/tutte.h"
-#include "core/flatten/injective/upright.h"
 #include "core/mesh/space.h"
 #include "tests/core/flatten/injective_fixture.h"
 #include "tests/support/compare.h"

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/flatten/distortion.h"
 #include "core/flatten/injective/tutte.h"
-#include "core/flatten/injective/upright.h"
 #include "tests/core/flatten/injective_fixture.h"
 #include "tests/support/meshes.h"
 
