@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <memory>
 
+#include "arap/model/limits.h"
 #include "server/budget/gate.h"
-#include "server/budget/limits.h"
 #include "server/flattening/prepared_surfaces.h"
 #include "server/runtime/clock.h"
 #include "server/runtime/worker_pool.h"

@@ -37,44 +37,51 @@ OwnerQuotas::Ahead OwnerQuotas::AheadOf(std::uint64_t number) const {
   return AheadLocked(number);
 }
 
-void OwnerQuotas::WaitForThoseAhead(std::uint64_t number) {
+void OwnerQuotas::WaitForThoseAhead(std::uint64_t number, bool of_all) {
   const MutexLock lock(&mutex_);
-  while (AheadLocked(number).any()) left_.Wait(&mutex_);
+  for (;;) {
+    const Ahead ahead = AheadLocked(number);
+    const store::Usage& owner = ahead.owner;
+    if ((of_all ? ahead.sessions : owner.sessions + owner.meshes + owner.handle_sets) == 0) return;
+    left_.Wait(&mutex_);
+  }
 }
 
-Status OwnerQuotas::Check(const Caller& caller, const store::Usage& more, const Ahead& ahead) {
-  if (more.sessions + more.meshes + more.handle_sets == 0) return {};
+Result<std::optional<OwnerQuotas::Shortage>> OwnerQuotas::Find(const Caller& caller,
+                                                               const store::Usage& more,
+                                                               const Ahead& ahead) {
+  if (more.sessions + more.meshes + more.handle_sets == 0) return std::nullopt;
   TRY(const store::Usage usage, store_.UsageOf(caller.owner));
-  const OwnerLimits& owner = caller.limits;
-  if (more.sessions > 0) {
-    TRY(const std::size_t count, store_.Count());
-    if (usage.sessions + ahead.owner.sessions + more.sessions > owner.max_sessions) {
-      return Fail(QuotaFull("max_sessions_per_owner", owner.max_sessions));
-    }
-    if (count + ahead.sessions + more.sessions > limits_.max_sessions) {
-      return Fail(QuotaFull("max_sessions", limits_.max_sessions));
-    }
+  const OwnerLimits& most = caller.limits;
+  const auto full = [](std::size_t used, std::size_t others, std::size_t wanted,
+                       std::size_t limit) { return wanted > 0 && used + others + wanted > limit; };
+  if (full(usage.sessions, ahead.owner.sessions, more.sessions, most.max_sessions)) {
+    return Shortage{"max_sessions_per_owner", most.max_sessions};
   }
-  if (more.meshes > 0 && usage.meshes + ahead.owner.meshes + more.meshes > owner.max_meshes) {
-    return Fail(QuotaFull("max_meshes_per_owner", owner.max_meshes));
+  if (full(usage.meshes, ahead.owner.meshes, more.meshes, most.max_meshes)) {
+    return Shortage{"max_meshes_per_owner", most.max_meshes};
   }
-  if (more.handle_sets > 0 &&
-      usage.handle_sets + ahead.owner.handle_sets + more.handle_sets > owner.max_handle_sets) {
-    return Fail(QuotaFull("max_handle_sets_per_owner", owner.max_handle_sets));
+  if (full(usage.handle_sets, ahead.owner.handle_sets, more.handle_sets, most.max_handle_sets)) {
+    return Shortage{"max_handle_sets_per_owner", most.max_handle_sets};
   }
-  return {};
+  if (more.sessions == 0) return std::nullopt;
+  TRY(const std::size_t count, store_.Count());
+  if (full(count, ahead.sessions, more.sessions, limits_.max_sessions)) {
+    return Shortage{"max_sessions", limits_.max_sessions, true};
+  }
+  return std::nullopt;
 }
 
 Result<OwnerQuotas::Place> OwnerQuotas::Take(const Caller& caller, const store::Usage& more) {
   Place place = Enter(caller.owner, more);
-  const Ahead ahead = AheadOf(place.number_);
-  Status room = Check(caller, more, ahead);
-  if (!room && room.error().kind == FaultKind::kLimitExceeded && ahead.any()) {
-    WaitForThoseAhead(place.number_);
-    room = Check(caller, more, {});
+  for (;;) {
+    TRY(const auto shortage, Find(caller, more, AheadOf(place.number_)));
+    if (!shortage) return place;
+    // Whatever becomes of the places ahead.
+    TRY(const auto certain, Find(caller, more, {}));
+    if (certain) return Fail(QuotaFull(certain->quota, certain->limit));
+    WaitForThoseAhead(place.number_, shortage->of_all);
   }
-  CHECK_OK(room);
-  return place;
 }
 
 }  // namespace arap::app

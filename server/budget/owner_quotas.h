@@ -6,13 +6,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "arap/base/result.h"
+#include "arap/model/limits.h"
 #include "core/base/mutex.h"
 #include "server/access/caller.h"
-#include "server/budget/limits.h"
 #include "server/store/store.h"
 
 namespace arap::app {
@@ -23,7 +24,8 @@ namespace arap::app {
 //     together.
 //   - Such a place may be counted twice, once by the store already. Therefore nobody is refused
 //     because of it: the call waits until the earlier places have ended and counts again. So a call
-//     waits for another one only when the two compete for the last places.
+//     waits for another one only when the two compete for the last places, and for another owner's
+//     only when these are the last of the server.
 // Other processes that share the store are counted by what they have stored, not by their places.
 class OwnerQuotas {
  public:
@@ -59,7 +61,12 @@ class OwnerQuotas {
   struct Ahead {
     store::Usage owner;        // of the same owner
     std::size_t sessions = 0;  // of all owners
-    bool any() const { return sessions + owner.meshes + owner.handle_sets > 0; }
+  };
+  // The quota that leaves no room, and whether all owners share it.
+  struct Shortage {
+    const char* quota = nullptr;
+    std::size_t limit = 0;
+    bool of_all = false;
   };
 
   Place Enter(const std::string& owner, const store::Usage& more);
@@ -67,9 +74,10 @@ class OwnerQuotas {
   // What places with smaller numbers are for.
   Ahead AheadOf(std::uint64_t number) const;
   Ahead AheadLocked(std::uint64_t number) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void WaitForThoseAhead(std::uint64_t number);
+  void WaitForThoseAhead(std::uint64_t number, bool of_all);
   // With `ahead` counted too.
-  Status Check(const Caller& caller, const store::Usage& more, const Ahead& ahead);
+  Result<std::optional<Shortage>> Find(const Caller& caller, const store::Usage& more,
+                                       const Ahead& ahead);
 
   const Limits& limits_;
   store::SpecStore& store_;

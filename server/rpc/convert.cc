@@ -171,7 +171,7 @@ Result<std::vector<Target>> FromWire(const v1::TrackFrame& frame, std::size_t in
   return targets;
 }
 
-Result<ShapeOptions> FromWire(const v1::DeformOptions& options, const app::Limits& limits) {
+Result<ShapeOptions> FromWire(const v1::DeformOptions& options, const Limits& limits) {
   TRY(const DeformOptions deform, FromWire(options, limits.max_refine));
   return ShapeOptions{deform, options.float64(), options.include_flipped_ids()};
 }
@@ -197,7 +197,7 @@ void PicksToWire(const Deformer& deformer, std::span<const Complex> picks, v1::S
   }
 }
 
-Status CheckBudget(const v1::FlattenRequest& request, const app::Limits& limits) {
+Status CheckBudget(const v1::FlattenRequest& request, const Limits& limits) {
   const auto triangles = static_cast<std::size_t>(request.mesh().triangles_size() / 3);
   const std::size_t limit = limits.max_flatten_triangles;
   if (triangles <= limit) return {};

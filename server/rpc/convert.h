@@ -9,13 +9,13 @@
 
 #include "arap/base/result.h"
 #include "arap/core/deformer.h"
+#include "arap/model/limits.h"
 #include "proto/convert/flatten.h"
 #include "proto/convert/handles.h"
 #include "proto/convert/mesh.h"
 #include "proto/convert/shape.h"
 #include "proto/convert/status.h"
 #include "proto/convert/time.h"
-#include "server/budget/limits.h"
 #include "server/sessions/session.h"
 #include "server/streams/targets.h"
 
@@ -73,7 +73,7 @@ struct ShapeOptions {
 };
 
 // kInvalidOption: an unknown mode, or refine above the limit.
-Result<ShapeOptions> FromWire(const v1::DeformOptions& options, const app::Limits& limits);
+Result<ShapeOptions> FromWire(const v1::DeformOptions& options, const Limits& limits);
 
 // Positions and quality of a lane's last update, into a cleared `out`. kNumerical when a position
 // does not fit the precision that was asked for.
@@ -84,6 +84,6 @@ Status ToWire(const Deformer& deformer, const ShapeQuality& quality, const Shape
 void PicksToWire(const Deformer& deformer, std::span<const Complex> picks, v1::Shape* out);
 
 // kLimitExceeded when the surface has more than max_flatten_triangles. Looks at lengths only.
-Status CheckBudget(const v1::FlattenRequest& request, const app::Limits& limits);
+Status CheckBudget(const v1::FlattenRequest& request, const Limits& limits);
 
 }  // namespace arap::rpc

@@ -15,7 +15,7 @@ namespace arap::rpc {
 Status Flatten(app::Engine& engine, const v1::FlattenRequest& request, const Call& call,
                v1::FlattenResponse* response) {
   const runtime::WallTimer working;
-  const app::Limits& limits = engine.limits;
+  const Limits& limits = engine.limits;
   CHECK_OK(CheckBudget(request, limits));
   TRY(const auto options, FromWire(request, limits.max_refine));
   // Before memory is taken: what is asked amiss stays so however much room there is.

@@ -1,5 +1,3 @@
-#include "server/rpc/stream.h"
-
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -17,6 +15,7 @@
 #include "server/engine.h"
 #include "server/rpc/caller_of.h"
 #include "server/rpc/convert.h"
+#include "server/rpc/long_calls.h"
 #include "server/rpc/rpc_log.h"
 #include "server/runtime/clock.h"
 #include "server/sessions/rebuild.h"
@@ -31,7 +30,7 @@ struct Answer final : app::WireAnswer {
 };
 
 // The policy's view of a message: what it points to stays in `request`.
-app::StreamMessage View(const v1::StreamDeformRequest& request, const app::Limits& limits) {
+app::StreamMessage View(const v1::StreamDeformRequest& request, const Limits& limits) {
   using Request = v1::StreamDeformRequest;
   app::StreamMessage out;
   out.bytes = request.ByteSizeLong();

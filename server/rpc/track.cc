@@ -1,5 +1,3 @@
-#include "server/rpc/track.h"
-
 #include <algorithm>
 #include <array>
 #include <deque>
@@ -21,10 +19,12 @@
 #include "server/engine.h"
 #include "server/rpc/caller_of.h"
 #include "server/rpc/convert.h"
+#include "server/rpc/long_calls.h"
 #include "server/rpc/rpc_log.h"
 #include "server/runtime/clock.h"
 #include "server/sessions/rebuild.h"
 #include "server/streams/live_set.h"
+#include "server/streams/stream_policy.h"
 #include "server/streams/targets.h"
 
 namespace arap::rpc {
@@ -43,6 +43,7 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
   TrackReactor(app::Engine& engine, grpc::CallbackServerContext* context,
                const v1::DeformTrackRequest& request, app::Caller caller)
       : engine_(engine),
+        context_(context),
         caller_(std::move(caller)),
         cancel_(CancelTokenOf(context)),
         request_(request),
@@ -78,6 +79,17 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
     Pump();
   }
 
+  // Whoever reads no frame for as long as a stream may say nothing is cut off, and soon when the
+  // track is to end.
+  void Sweep(runtime::Clock::Steady now) override {
+    const MutexLock lock(&mutex_);
+    if (!writing_ || cancelled_) return;
+    const auto idle = engine_.limits.max_stream_idle;
+    if ((end_ && now - wrote_ >= app::kLastWrite) || (idle.count() > 0 && now - wrote_ >= idle)) {
+      context_->TryCancel();
+    }
+  }
+
   void OnWriteDone(bool ok) override {
     const MutexLock lock(&mutex_);
     writing_ = false;
@@ -107,6 +119,7 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
       outgoing_ = std::move(ready_.front());
       ready_.pop_front();
       writing_ = true;
+      wrote_ = engine_.clock.SteadyNow();
       ++written_;
       StartWrite(&outgoing_);
     }
@@ -228,6 +241,7 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
   }
 
   app::Engine& engine_;
+  grpc::CallbackServerContext* const context_;
   const app::Caller caller_;
   const CancelToken cancel_;
   const v1::DeformTrackRequest& request_;  // gRPC's, until the call is done
@@ -247,6 +261,7 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
   std::deque<v1::DeformTrackResponse> ready_ ABSL_GUARDED_BY(mutex_);  // at most kLanes
   v1::DeformTrackResponse outgoing_ ABSL_GUARDED_BY(mutex_);           // gRPC's while writing_
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
+  runtime::Clock::Steady wrote_ ABSL_GUARDED_BY(mutex_);  // when the last write began
   int written_ ABSL_GUARDED_BY(mutex_) = 0;
   std::optional<Fault> end_ ABSL_GUARDED_BY(mutex_);
   bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;

@@ -98,7 +98,7 @@ Result<std::shared_ptr<app::Session>> SessionOf(app::Engine& engine, const Call&
   return engine.sessions.Use(call.caller.owner, session_id);
 }
 
-Status CheckSize(const app::Limits& limits, std::size_t request_bytes) {
+Status CheckSize(const Limits& limits, std::size_t request_bytes) {
   const std::size_t most = limits.max_message_bytes;
   if (request_bytes <= most) return {};
   return Fail(app::TooLarge("The request", "max_message_bytes", request_bytes, most));

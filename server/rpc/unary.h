@@ -71,7 +71,7 @@ struct UnaryJob {
 };
 
 // kLimitExceeded for a request beyond max_message_bytes.
-Status CheckSize(const app::Limits& limits, std::size_t request_bytes);
+Status CheckSize(const Limits& limits, std::size_t request_bytes);
 
 // Finishes the call with the status of its work. A caller who is refused takes no gate and no lane
 // and looks nothing up; a full lane answers kOverloaded, a shut gate kLimitExceeded, and a call

@@ -12,6 +12,12 @@
 namespace arap::app {
 namespace {
 
+// What no server is configured to exceed.
+constexpr std::chrono::milliseconds kMinTtl = std::chrono::seconds(1);
+constexpr std::size_t kMaxLabels = 16;
+constexpr std::size_t kMaxLabelBytes = 128;
+constexpr std::size_t kMaxPageSize = 1'000;
+
 Fault BadOption(std::string message, std::string field) {
   return Fault(FaultKind::kInvalidOption, std::move(message)).Field(std::move(field));
 }

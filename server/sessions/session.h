@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "arap/base/result.h"
+#include "arap/model/limits.h"
 #include "core/base/mutex.h"
-#include "server/budget/limits.h"
 #include "server/runtime/clock.h"
 #include "server/store/store.h"
 

@@ -16,6 +16,7 @@ using std::chrono::milliseconds;
 
 // Expired records that one sweep removes at most.
 constexpr std::size_t kSweep = 1'000;
+constexpr std::size_t kDefaultPageSize = 100;
 
 runtime::Clock::Wall WholeMilliseconds(runtime::Clock::Wall time) {
   return std::chrono::time_point_cast<milliseconds>(time);

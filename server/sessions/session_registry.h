@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "arap/base/result.h"
+#include "arap/model/limits.h"
 #include "core/base/mutex.h"
 #include "server/access/caller.h"
-#include "server/budget/limits.h"
 #include "server/budget/owner_quotas.h"
 #include "server/runtime/clock.h"
 #include "server/sessions/session.h"

@@ -6,8 +6,8 @@
 #include <functional>
 #include <string>
 
+#include "arap/model/limits.h"
 #include "server/budget/derived_cache.h"
-#include "server/budget/limits.h"
 #include "server/runtime/clock.h"
 #include "server/runtime/metrics.h"
 #include "server/sessions/session_registry.h"

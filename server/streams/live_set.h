@@ -9,7 +9,7 @@
 #include "arap/base/cancel.h"
 #include "arap/base/result.h"
 #include "arap/core/deformer.h"
-#include "server/budget/limits.h"
+#include "arap/model/limits.h"
 #include "server/sessions/rebuild.h"
 
 namespace arap::runtime {

@@ -55,10 +55,13 @@ void StreamPolicy::Written(bool ok) {
 void StreamPolicy::Cancelled() { cancelled_ = true; }
 
 void StreamPolicy::End(Fault reason) {
-  if (!ending()) end_ = std::move(reason);
+  if (ending()) return;
+  end_ = std::move(reason);
+  ended_ = clock_.SteadyNow();
 }
 
 bool StreamPolicy::Sweep(runtime::Clock::Steady now) {
+  if (end_) return writing_ && !cancelled_ && now - ended_ >= kLastWrite;
   const auto limit = limits_.max_stream_idle;
   if (limit.count() <= 0 || now - heard_ < limit || ending()) return false;
   const auto seconds = fmt::format("{:g}", std::chrono::duration<double>(limit).count());

@@ -23,10 +23,11 @@
 //   - Updates and edits extend the life of the session; when that is over, the stream ends.
 //   - Nothing read for max_stream_idle ends the stream.
 //   - Once it ends nothing is taken or started. The job in work is waited for and what was computed
-//     is still written, except to a client that has gone.
+//     is still written, except to a client that has gone or has not read for kLastWrite.
 //   - After the client's half-close what is pending is answered and the end is OK.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -38,13 +39,16 @@
 
 #include "arap/base/result.h"
 #include "arap/core/compiled_handles.h"
-#include "server/budget/limits.h"
+#include "arap/model/limits.h"
 #include "server/runtime/clock.h"
 #include "server/streams/admission.h"
 #include "server/streams/stream_outbox.h"
 #include "server/streams/targets.h"
 
 namespace arap::app {
+
+// How long a call that ends waits for its last write: whoever does not read keeps no place.
+inline constexpr std::chrono::milliseconds kLastWrite = std::chrono::seconds(10);
 
 // A message of the client. What of it is not for the policy stays where it was read.
 struct StreamMessage {
@@ -194,6 +198,7 @@ class StreamPolicy {
   StreamOutbox outbox_;
   bool writing_ = false;
   std::optional<Fault> end_;
+  runtime::Clock::Steady ended_;  // with end_
   bool cancelled_ = false;
   bool finished_ = false;
   Counts counts_;

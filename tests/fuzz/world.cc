@@ -12,8 +12,8 @@ namespace {
 constexpr std::uint32_t kSquares = 3;
 
 // So little that an input cannot make a call slow, and that the limits themselves are met.
-app::Limits SmallLimits() {
-  app::Limits limits;
+Limits SmallLimits() {
+  Limits limits;
   limits.max_sessions = 4;
   limits.max_meshes_per_session = 3;
   limits.max_handle_sets_per_session = 3;

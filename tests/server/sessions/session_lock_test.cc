@@ -231,5 +231,20 @@ TEST(SessionLocksTest, OneAtATimeAndNothingLeftBehind) {
   EXPECT_TRUE(locks.TryTake({"ann", "t"}));
 }
 
+TEST_F(SessionLockTest, WhoHasAllItMayHaveDoesNotWaitForOthers) {
+  Caller ann = ann_;
+  ann.limits.max_sessions = 1;
+  ASSERT_TRUE(Create(ann));
+  store_.HoldUp(Call::kPut, {"ben", kId});
+  auto bens = InThread([&] { return Create(ben_); });
+  store_.AwaitHeldCall();
+  auto second = InThread([&] { return Create(ann, "t"); });
+  const auto refused = Answer(second, "the refusal");
+  store_.LetGo();
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().details.front().second, "max_sessions_per_owner");
+  EXPECT_TRUE(Answer(bens, "ben's session"));
+}
+
 }  // namespace
 }  // namespace arap::app

@@ -1,18 +1,14 @@
 // The server's rooms below the wire: sessions, the mesh cache, cancellation, targets, poses.
-#include <complex>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "core/base/names.h"
 #include "server/engine.h"
 #include "server/sessions/handle_sets.h"
 #include "server/sessions/meshes.h"
 #include "server/sessions/rebuild.h"
-#include "server/streams/live_set.h"
-#include "server/streams/targets.h"
 #include "tests/support/fake_clock.h"
 
 namespace arap::app {
@@ -167,60 +163,6 @@ TEST_F(AppTest, EditsThatMeetAreDoneOneOnTheOther) {
   EXPECT_EQ(both->revision, 3u);
   EXPECT_EQ(both->handles->handles().size(), 3u);
   EXPECT_EQ(FindHandleSet(*session->record(), "h")->definitions->size(), 3u);
-}
-
-class PoseTest : public AppTest {
- protected:
-  void SetUp() override {
-    Open("s");
-    ASSERT_TRUE(Register("s", "m"));
-  }
-
-  PlacedHandle Placed(const Handle& handle) {
-    const std::string set = "set" + std::to_string(sets_++);
-    const auto entry = Compile(set, {handle});
-    EXPECT_TRUE(entry);
-    return entry->handles->handles().front();
-  }
-
-  int sets_ = 0;
-};
-
-TEST_F(PoseTest, EveryKindOfAnchorFollowsTheShape) {
-  // Turned by a quarter, doubled, moved.
-  const Complex a(0, 2);
-  const Complex b(5, -1);
-  std::vector<Complex> now;
-  for (const Complex& vertex : Square().vertices) now.push_back(a * vertex + b);
-
-  Handle point = AtVertex("p", 0);
-  point.anchor = PointAnchor{{0.25, 0.5}};
-  Handle in_triangle = AtVertex("t", 0);
-  in_triangle.anchor = TriangleAnchor{1, {0.5, 0.25, 0.25}};
-  Handle snapped = AtVertex("n", 0);
-  snapped.anchor = PointAnchor{{0.3, -7}};
-  snapped.outside = Outside::kSnap;
-  for (const Handle& handle : {AtVertex("v", 2), point, in_triangle, snapped}) {
-    const PlacedHandle placed = Placed(handle);
-    const Target pose = PoseOf(Square(), placed, now);
-    EXPECT_LT(std::abs(pose.position - (a * placed.rest + b)), 1e-9) << handle.id;
-    EXPECT_NEAR(pose.angle, std::arg(a), 1e-9) << handle.id;
-    EXPECT_NEAR(pose.scale, 2, 1e-9) << handle.id;
-  }
-}
-
-TEST_F(PoseTest, CollapsedTriangleGivesNoRotation) {
-  const std::vector<Complex> now(4, Complex(3, 3));
-  const Target pose = PoseOf(Square(), Placed(AtVertex("v", 1)), now);
-  EXPECT_EQ(pose.position, Complex(3, 3));
-  EXPECT_EQ(pose.angle, 0);
-  EXPECT_EQ(pose.scale, 1);
-}
-
-TEST(NamesTest, QuotesAreHarmless) {
-  EXPECT_EQ(Quote("plain"), "\"plain\"");
-  EXPECT_EQ(Quote("line\nbreak\x01"), "\"line?break?\"");
-  EXPECT_EQ(Quote(std::string(1'000, 'x')).size(), 64u + 5u);
 }
 
 }  // namespace

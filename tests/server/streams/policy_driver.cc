@@ -318,8 +318,8 @@ class Drive {
   std::string broken_;
 
   // So that rate and idleness are met.
-  static app::Limits SmallLimits() {
-    app::Limits limits;
+  static Limits SmallLimits() {
+    Limits limits;
     limits.max_stream_fps = 20;
     limits.max_stream_idle = std::chrono::seconds(20);
     return limits;

@@ -22,7 +22,7 @@ std::shared_ptr<const CompiledHandles> WithoutB();
 
 class PolicyDriver {
  public:
-  explicit PolicyDriver(const app::Limits& the_limits = {}) : limits(the_limits) { Pump(); }
+  explicit PolicyDriver(const Limits& the_limits = {}) : limits(the_limits) { Pump(); }
 
   // The client, when `reading`.
   void Send(decltype(app::StreamMessage::payload) payload, std::size_t bytes = 10);
@@ -70,7 +70,7 @@ class PolicyDriver {
   int touched = 0;
   std::vector<double> shares;  // that admission was asked for
 
-  const app::Limits limits;
+  const Limits limits;
   runtime::FakeClock clock;
   app::StreamPolicy policy{limits, clock, [this](double share) -> Status {
                              shares.push_back(share);

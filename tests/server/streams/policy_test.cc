@@ -486,7 +486,7 @@ TEST_P(DeliveryTest, SilenceCancelsAWriteThatDoesNotEnd) {
 }
 
 TEST_F(PolicyTest, SilenceWithoutLimitIsFine) {
-  app::Limits limits;
+  Limits limits;
   limits.max_stream_idle = milliseconds(0);
   PolicyDriver stream(limits);
   stream.Advance(std::chrono::hours(100));
@@ -496,8 +496,8 @@ TEST_F(PolicyTest, SilenceWithoutLimitIsFine) {
 
 // Rate and load.
 
-app::Limits TwoASecond() {
-  app::Limits limits;
+Limits TwoASecond() {
+  Limits limits;
   limits.max_stream_fps = 2;
   return limits;
 }
@@ -627,6 +627,22 @@ TEST_P(DeliveryTest, ReaderThatIsGoneEndsTheStream) {
   ExpectEnd(FaultKind::kCancelled);
 }
 
+TEST_P(DeliveryTest, WhoeverDoesNotReadTheLastAnswerIsCutOff) {
+  stream_.Update(1);
+  stream_.FinishJob();
+  ASSERT_TRUE(stream_.writing.has_value());
+  stream_.End(Fault(FaultKind::kDraining, "Draining."));
+  EXPECT_FALSE(stream_.Sweep());
+  stream_.Advance(app::kLastWrite - milliseconds(1));
+  EXPECT_FALSE(stream_.Sweep());
+  stream_.Advance(milliseconds(1));
+  EXPECT_TRUE(stream_.Sweep());
+  stream_.Cancel();
+  EXPECT_FALSE(stream_.Sweep()) << "once is enough";
+  stream_.FinishWrite(false);
+  ExpectEnd(FaultKind::kCancelled);
+}
+
 TEST_P(DeliveryTest, HalfCloseAnswersWhatIsPending) {
   stream_.Update(1);
   stream_.Update(2);
@@ -752,7 +768,7 @@ class BusyStream {
     Pump();
   }
 
-  const app::Limits limits_{};
+  const Limits limits_{};
   const runtime::FakeClock clock_{};
   const bool latest_;
   const std::uint64_t updates_;

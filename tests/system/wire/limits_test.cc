@@ -26,7 +26,7 @@ class LimitsTest : public WireTest {
 };
 
 TEST_F(LimitsTest, AreToldWithTheirNumbers) {
-  app::Limits& limits = options().limits;
+  Limits& limits = options().limits;
   limits.owner = {1, 2, 3, 4, 5};
   limits.max_bytes = 6;
   limits.max_registrations = 7;

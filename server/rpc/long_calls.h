@@ -1,0 +1,34 @@
+// The calls that last, over gRPC: a live stream and a track. Each moves the bytes; the rules of a
+// stream are in deformation_service.proto for clients and in server/streams/stream_policy.h for how
+// they are kept.
+#pragma once
+
+#include <grpcpp/support/server_callback.h>
+
+namespace arap::app {
+struct Engine;
+}
+namespace arap::v1 {
+class DeformTrackRequest;
+class DeformTrackResponse;
+class StreamDeformRequest;
+class StreamDeformResponse;
+}  // namespace arap::v1
+
+namespace arap::rpc {
+
+struct Identity;
+
+// The reactor of a new call, which CallerOf may refuse; it owns itself until the call is done.
+grpc::ServerBidiReactor<v1::StreamDeformRequest, v1::StreamDeformResponse>* StreamDeform(
+    app::Engine& engine, const Identity& identity, grpc::CallbackServerContext* context);
+
+// The same for a whole track of targets in, its frames out. All frames are checked before the first
+// is answered, except for what only the solution shows (CONFLICTING_HANDLES, NUMERICAL): that ends
+// the track at its frame. One frame is computed while the one before it is written; a client that
+// does not read costs one waiting frame and no thread, and is cut off after max_stream_idle.
+grpc::ServerWriteReactor<v1::DeformTrackResponse>* DeformTrack(
+    app::Engine& engine, const Identity& identity, grpc::CallbackServerContext* context,
+    const v1::DeformTrackRequest* request);
+
+}  // namespace arap::rpc
