@@ -1,25 +1,13 @@
 #include "core/token/token.h"
 
-#include <vector>
-
-#include <openssl/rand.h>
-
 #include "core/base/hex.h"
 #include "core/base/try.h"
-#include "core/token/sha256.h"
+#include "core/token/digest.h"
 
 namespace arap {
 namespace {
 
 constexpr std::string_view kPrefix = "arapd_";
-
-Result<std::string> RandomHex(std::size_t digits) {
-  std::vector<unsigned char> bytes(digits / 2);
-  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) {
-    return Fail(FaultKind::kInternal, "The system gives no random numbers.");
-  }
-  return Hex(bytes);
-}
 
 }  // namespace
 

@@ -1,13 +1,47 @@
 #include "server/access/tokens.h"
 
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <system_error>
 #include <vector>
 
+#include <fmt/format.h>
 #include <sys/stat.h>
 
 #include "core/base/try.h"
+#include "core/token/digest.h"
+#include "core/token/token.h"
+#include "core/token/token_file.h"
 
 namespace arap::app {
 namespace {
+
+// What an unknown id is compared with.
+TokenFile::Entry NoEntry() {
+  return {{}, std::string(kTokenSaltDigits, '0'), std::string(kTokenSecretDigits, '0'), {}};
+}
+
+// In seconds: as the clock's nanoseconds, times after 2262 would overflow.
+bool HasExpired(const TokenFile::Entry& entry, TokenFile::Wall now) {
+  return entry.expires && *entry.expires <= std::chrono::floor<std::chrono::seconds>(now);
+}
+
+// The limits of the entry, or else the defaults.
+OwnerLimits LimitsOf(const TokenEntry& entry, OwnerLimits limits) {
+  for (const LimitInfo& info : kLimits) {
+    const auto* const member = std::get_if<std::size_t OwnerLimits::*>(&info.member);
+    const auto stated = entry.limits.find(std::string(TokenName(info)));
+    if (member != nullptr && stated != entry.limits.end()) limits.** member = stated->second;
+  }
+  return limits;
+}
+
+Fault Unreadable(const std::string& path, const std::string& why) {
+  Fault fault(FaultKind::kInvalidOption,
+              fmt::format("The token file {} cannot be used: {}.", path, why));
+  return fault.Detail("file", path);
+}
 
 Fault NoLonger() {
   return Fault(FaultKind::kUnauthenticated,
@@ -15,6 +49,65 @@ Fault NoLonger() {
 }
 
 }  // namespace
+
+std::string_view TokenFile::IdOf(std::string_view token) {
+  const auto parts = SplitToken(token);
+  return parts ? parts->id : std::string_view();
+}
+
+Result<TokenFile> TokenFile::Parse(std::string_view json, const std::string& name,
+                                   const OwnerLimits& defaults) {
+  TRY(std::vector<TokenEntry> entries, ParseTokenFile(json, name));
+  TokenFile file;
+  for (TokenEntry& entry : entries) {
+    const Role role = entry.admin ? Role::kAdmin : Role::kUser;
+    Caller caller{std::move(entry.owner), role, LimitsOf(entry, defaults)};
+    file.entries_.emplace(std::move(entry.id), Entry{std::move(caller), std::move(entry.salt),
+                                                     std::move(entry.sha256), entry.expires});
+  }
+  return file;
+}
+
+Result<TokenFile> TokenFile::Read(const std::string& path, const OwnerLimits& defaults) {
+  struct stat info {};
+  if (stat(path.c_str(), &info) != 0) {
+    return Fail(Unreadable(path, std::generic_category().message(errno)));
+  }
+  if (!S_ISREG(info.st_mode)) return Fail(Unreadable(path, "it is not a regular file"));
+  if ((info.st_mode & (S_IRWXO | S_IWGRP)) != 0) {
+    return Fail(Unreadable(path, "its mode lets others in; chmod 600 or 640 it"));
+  }
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file.is_open() || file.bad()) {
+    return Fail(Unreadable(path, std::generic_category().message(errno)));
+  }
+  return Parse(text, path, defaults);
+}
+
+Result<Caller> TokenFile::Check(std::string_view token, Wall now) const {
+  const auto parts = SplitToken(token);
+  if (!parts) return Fail(FaultKind::kUnauthenticated, "The bearer token is not one of arapd's.");
+  const auto found = entries_.find(parts->id);
+  const bool known = found != entries_.end();
+  const Entry entry = known ? found->second : NoEntry();
+  TRY(const std::string digest, HashSecret(entry.salt, parts->secret));
+  const bool same = SameDigest(digest, entry.sha256);
+  if (!known || !same) {
+    return Fail(FaultKind::kUnauthenticated, "This server does not know the bearer token.");
+  }
+  if (HasExpired(entry, now)) {
+    return Fail(FaultKind::kUnauthenticated, "The bearer token has expired.");
+  }
+  return entry.caller;
+}
+
+bool TokenFile::Holds(std::string_view id, std::string_view owner, Wall now) const {
+  const auto found = entries_.find(id);
+  return found != entries_.end() && found->second.caller.owner == owner &&
+         !HasExpired(found->second, now);
+}
 
 Tokens::Tokens(std::string path, const OwnerLimits& defaults, const runtime::Clock& clock)
     : path_(std::move(path)), defaults_(defaults), clock_(clock) {}

@@ -17,7 +17,7 @@
 #include "server/host/credentials.h"
 #include "server/host/listen.h"
 #include "server/runtime/clock.h"
-#include "server/store/redis/redis_url.h"
+#include "server/store/open_store.h"
 
 namespace arap::config {
 namespace {
@@ -75,18 +75,10 @@ Status CheckCredentials(const host::HostOptions& options) {
 }
 
 Status CheckStore(const store::StoreOptions& options) {
-  constexpr std::string_view kSqlite = "sqlite:", kRedis = "redis:";
-  const std::string& spec = options.store;
-  if (spec == "memory") return {};
-  if (spec.starts_with(kRedis)) {
-    CHECK_OK(store::ParseRedisUrl(spec));
-    if (!options.blob_dir.empty()) return {};
-    return Fail(Bad("blob-dir", "With redis, --blob-dir is needed, a folder for the meshes."));
-  }
-  if (!spec.starts_with(kSqlite) || spec.size() == kSqlite.size()) {
-    return Fail(Bad("store", "--store is memory, sqlite:DIR or redis://HOST:PORT."));
-  }
-  return CheckWritable("store", spec.substr(kSqlite.size()), true);
+  CHECK_OK(store::CheckStore(options));
+  constexpr std::string_view kSqlite = "sqlite:";
+  if (!options.store.starts_with(kSqlite)) return {};
+  return CheckWritable("store", options.store.substr(kSqlite.size()), true);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 #include "core/base/names.h"
 #include "core/base/try.h"
-#include "core/token/sha256.h"
+#include "core/token/digest.h"
 #include "server/budget/estimate.h"
 #include "server/runtime/clock.h"
 

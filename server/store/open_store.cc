@@ -8,10 +8,10 @@
 #include "core/base/try.h"
 #include "server/runtime/clock.h"
 #include "server/store/blobs/file_blobs.h"
-#include "server/store/blobs/files.h"
+#include "core/base/files.h"
 #include "server/store/memory_store.h"
 #include "server/store/redis/redis_store.h"
-#include "server/store/redis/redis_url.h"
+#include "server/store/redis/redis.h"
 #include "server/store/sqlite/sqlite_store.h"
 #include "server/store/store.h"
 
@@ -38,9 +38,6 @@ Status AddBlobs(const std::string& directory, Stores& stores) {
 
 Result<Stores> OpenSqlite(const StoreOptions& options) {
   const std::string directory = WithoutSlash(options.store.substr(kSqlite.size()));
-  if (directory.empty()) {
-    return Fail(Malformed("sqlite: wants the directory of the store: sqlite:DIR.", "store"));
-  }
   if (const int error = MakeDirectory(directory); error != 0) {
     Fault fault = UnavailableErrno(error);
     fault.message = fmt::format("{}: {}", directory, fault.message);
@@ -58,17 +55,11 @@ Result<Stores> OpenSqlite(const StoreOptions& options) {
 
 Result<Stores> OpenRedis(const StoreOptions& options) {
   TRY(auto url, ParseRedisUrl(options.store));
-  if (options.blob_dir.empty()) {
-    return Fail(Malformed("With redis a blob directory that all replicas share has to be named.",
-                          "blob_dir"));
-  }
   RedisOptions redis;
   redis.url = std::move(url);
   Stores stores;
   stores.specs = std::make_unique<RedisSpecStore>(std::move(redis));
-  if (auto added = AddBlobs(WithoutSlash(options.blob_dir), stores); !added) {
-    return Fail(added.error());
-  }
+  CHECK_OK(AddBlobs(WithoutSlash(options.blob_dir), stores));
   return stores;
 }
 
@@ -153,19 +144,29 @@ class MeasuredBlobs final : public BlobStore {
 
 }  // namespace
 
-Result<Stores> OpenStores(const StoreOptions& options) {
-  if (options.store == "memory") {
-    Stores stores;
-    stores.specs = std::make_unique<MemorySpecStore>();
-    stores.blobs = std::make_unique<MemoryBlobStore>();
-    return stores;
+Status CheckStore(const StoreOptions& options) {
+  const std::string& store = options.store;
+  if (store.starts_with(kRedis)) {
+    CHECK_OK(ParseRedisUrl(store));
+    if (!options.blob_dir.empty()) return {};
+    return Fail(Malformed("With redis a blob directory that all replicas share has to be named.",
+                          "blob_dir"));
   }
-  if (options.store.starts_with(kSqlite)) return OpenSqlite(options);
-  if (options.store.starts_with(kRedis)) return OpenRedis(options);
+  if (store == "memory" || (store.starts_with(kSqlite) && store.size() > kSqlite.size())) return {};
   return Fail(Malformed(fmt::format("The store {} is none of memory, sqlite:DIR and "
                                     "redis://[:PASSWORD@]HOST[:PORT][/DB].",
                                     StoreForLog(options)),
                         "store"));
+}
+
+Result<Stores> OpenStores(const StoreOptions& options) {
+  CHECK_OK(CheckStore(options));
+  if (options.store.starts_with(kSqlite)) return OpenSqlite(options);
+  if (options.store.starts_with(kRedis)) return OpenRedis(options);
+  Stores stores;
+  stores.specs = std::make_unique<MemorySpecStore>();
+  stores.blobs = std::make_unique<MemoryBlobStore>();
+  return stores;
 }
 
 std::string StoreForLog(const StoreOptions& options) { return WithoutPassword(options.store); }

@@ -31,10 +31,13 @@ struct Stores {
   std::optional<Recovery> recovery;
 };
 
+// Whether the options are well-formed; looks at nothing else. kInvalidOption with the field "store"
+// or "blob_dir". No fault names a password.
+Status CheckStore(const StoreOptions& options);
+
 // Makes DIR and the blob directory, with mode 0700, in parents that are there. Redis need not be
-// reachable yet. kInvalidOption with the field "store" or "blob_dir" for what is malformed;
-// kStoreUnavailable, naming the directory, for one that cannot be used or is in use by another
-// server. No fault names a password.
+// reachable yet. The faults of CheckStore, and kStoreUnavailable, naming the directory, for one that
+// cannot be used or is in use by another server.
 Result<Stores> OpenStores(const StoreOptions& options);
 
 // The same stores, with the time and the outcome of every call in the metrics, which outlive them.

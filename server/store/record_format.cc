@@ -246,14 +246,6 @@ Json RecordToJson(const SessionRecord& record) {
 
 }  // namespace
 
-std::int64_t ToMillis(runtime::Clock::Wall time) {
-  return std::chrono::ceil<std::chrono::milliseconds>(time.time_since_epoch()).count();
-}
-
-runtime::Clock::Wall FromMillis(std::int64_t millis) {
-  return runtime::Clock::Wall(std::chrono::milliseconds(millis));
-}
-
 Result<std::string> EncodeRecord(const SessionRecord& record) {
   try {
     return RecordToJson(record).dump();

@@ -19,8 +19,4 @@ Result<std::string> EncodeRecord(const SessionRecord& record);
 // the caller, who knows where the text came from.
 Result<SessionRecord> DecodeRecord(std::string_view text);
 
-// Milliseconds since 1970, rounded up: what expires never does so earlier for being stored.
-std::int64_t ToMillis(runtime::Clock::Wall time);
-runtime::Clock::Wall FromMillis(std::int64_t millis);
-
 }  // namespace arap::store

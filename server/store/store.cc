@@ -6,6 +6,14 @@
 
 namespace arap::store {
 
+std::int64_t ToMillis(runtime::Clock::Wall time) {
+  return std::chrono::ceil<std::chrono::milliseconds>(time.time_since_epoch()).count();
+}
+
+runtime::Clock::Wall FromMillis(std::int64_t millis) {
+  return runtime::Clock::Wall(std::chrono::milliseconds(millis));
+}
+
 Fault Unavailable(std::string_view why) {
   Fault fault(FaultKind::kStoreUnavailable,
               fmt::format("The store of sessions cannot serve: {}.", why));

@@ -152,6 +152,10 @@ class BlobStore {
                                     std::chrono::seconds age) = 0;
 };
 
+// Times as they are stored: milliseconds since 1970, rounded up, so that what expires never does so earlier for being stored.
+std::int64_t ToMillis(runtime::Clock::Wall time);
+runtime::Clock::Wall FromMillis(std::int64_t millis);
+
 // The sentences of these reach clients: no path, no address, no password in them.
 
 // kStoreUnavailable; detail "why".

@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-#include "server/access/token_file.h"
+#include "server/access/tokens.h"
 #include "server/host/host.h"
 #include "tests/cli/run.h"
 

@@ -12,8 +12,8 @@
 
 #include "core/base/hex.h"
 #include "core/base/try.h"
-#include "core/token/sha256.h"
-#include "server/store/blobs/files.h"
+#include "core/token/digest.h"
+#include "core/base/files.h"
 #include "server/store/store.h"
 
 namespace arap::store {

@@ -1,10 +1,12 @@
-// Connections to Redis: a reply, one connection of hiredis, and a pool of them.
+// Redis as this server speaks to it: where it is, a reply, a script, one connection of hiredis, and
+// a pool of them.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -12,9 +14,23 @@
 
 #include "arap/base/result.h"
 #include "core/base/mutex.h"
-#include "server/store/redis/redis_url.h"
 
 namespace arap::store {
+
+// redis://[:PASSWORD@]HOST[:PORT][/DB].
+struct RedisUrl {
+  std::string host;  // without the brackets of an IPv6 address
+  int port = 6379;
+  std::string password;  // empty: none
+  int database = 0;
+};
+
+// %XX stands for a byte of the password. kInvalidOption with the field "store"; the password is
+// not in it.
+Result<RedisUrl> ParseRedisUrl(const std::string& url);
+
+// For showing: the password as ***.
+std::string WithoutPassword(const std::string& url);
 
 // What Redis answered, with accessors that take nothing for granted. Owns its parts; movable.
 class RedisReply {
@@ -39,6 +55,14 @@ class RedisReply {
 };
 
 using RedisCommand = std::vector<std::string>;
+
+// Lua that Redis runs in one step; no other command comes between.
+struct RedisScript {
+  explicit RedisScript(std::string the_text);
+
+  std::string text;
+  std::string sha1;  // the name that Redis has for it; empty if it could not be computed
+};
 
 // One connection. Not thread-safe. Sends no SIGPIPE when the peer is gone.
 class RedisConnection {
@@ -65,6 +89,9 @@ class RedisConnection {
   bool timed_out_ = false;
 };
 
+// kStoreUnavailable, naming an error reply by its first word: the rest may repeat what was sent.
+Fault FaultOf(const RedisReply& error);
+
 // Connections to one Redis, as many as there are calls at a time.
 //
 // Thread-safe. Connects when it has to, and again after Redis was gone. A call that finds its
@@ -78,6 +105,10 @@ class RedisPool {
   // As RedisConnection::Run. After a timeout all calls fail at once for as long as it took, so
   // that callers do not queue up before a Redis that hangs.
   Result<std::vector<RedisReply>> Run(const std::vector<RedisCommand>& commands);
+  // One command whose reply is no error, for that is kStoreUnavailable here.
+  Result<RedisReply> Run(const RedisCommand& command);
+  Result<RedisReply> Run(const RedisScript& script, const std::vector<std::string>& keys,
+                         const std::vector<std::string>& arguments);
 
  private:
   using Connection = std::unique_ptr<RedisConnection>;

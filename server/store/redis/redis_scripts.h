@@ -1,14 +1,11 @@
-// The Lua scripts of the Redis store. Redis runs each as one step; no other command comes between.
+// The Lua scripts of the Redis store, and the keys that they work on.
 #pragma once
 
 #include <string>
 
-namespace arap::store {
+#include "server/store/redis/redis.h"
 
-struct RedisScript {
-  std::string text;
-  std::string sha1;  // by which Redis knows it; empty if it could not be computed
-};
+namespace arap::store {
 
 // Keys, under a prefix:
 //   session:PLACE   hash: revision, token (of the Put that wrote it), record (record_format.h),
@@ -19,17 +16,95 @@ struct RedisScript {
 //   expiry          sorted set of PLACEs by expiry
 // PLACE is LENGTH:OWNER:ID with the length of the owner in bytes.
 
+// A session that no replica has removed a day after its expiry is removed by Redis itself: no
+// replica has run for that long. The day is counted by the clock of Redis and from now at the
+// earliest, so that a wrong clock of a replica removes nothing that was just written.
+inline const char* const kKeepFunction = R"lua(
+local function keep(session, expires)
+  local now = tonumber(redis.call('TIME')[1]) * 1000
+  local at = math.max(tonumber(expires), now) + 86400000
+  redis.call('PEXPIREAT', session, string.format('%.0f', at))
+end
+)lua";
+
+inline const char* const kForgetFunction = R"lua(
+local function forget(session, ids, counts, owners, expiry, id, owner, place)
+  local there = redis.call('DEL', session)
+  redis.call('ZREM', ids, id)
+  redis.call('HDEL', counts, id)
+  redis.call('ZREM', expiry, place)
+  if redis.call('EXISTS', ids) == 0 then redis.call('ZREM', owners, owner) end
+  return there
+end
+)lua";
+
 // KEYS session ids counts owners expiry
 // ARGV revision-before revision token record expires counts blobs id owner place
 // 1 when it was put, also by an earlier run with this token; else 0.
-const RedisScript& PutScript();
+inline const char* const kPutBody = R"lua(
+local stored = redis.call('HMGET', KEYS[1], 'revision', 'token')
+if stored[1] == ARGV[2] and stored[2] == ARGV[3] then return 1 end
+if (stored[1] or '0') ~= ARGV[1] then return 0 end
+redis.call('HSET', KEYS[1], 'revision', ARGV[2], 'token', ARGV[3], 'record', ARGV[4],
+           'expires', ARGV[5], 'blobs', ARGV[7])
+redis.call('ZADD', KEYS[2], 0, ARGV[8])
+redis.call('HSET', KEYS[3], ARGV[8], ARGV[6])
+redis.call('ZADD', KEYS[4], 0, ARGV[9])
+redis.call('ZADD', KEYS[5], ARGV[5], ARGV[10])
+keep(KEYS[1], ARGV[5])
+return 1
+)lua";
+
 // KEYS session expiry; ARGV expires place
-const RedisScript& ExtendScript();
+inline const char* const kExtendBody = R"lua(
+if redis.call('EXISTS', KEYS[1]) == 0 then return 0 end
+redis.call('HSET', KEYS[1], 'expires', ARGV[1])
+redis.call('ZADD', KEYS[2], ARGV[1], ARGV[2])
+keep(KEYS[1], ARGV[1])
+return 1
+)lua";
+
 // KEYS session ids counts owners expiry; ARGV id owner place. 1 when there was one.
-const RedisScript& RemoveScript();
+inline const char* const kRemoveBody = R"lua(
+return forget(KEYS[1], KEYS[2], KEYS[3], KEYS[4], KEYS[5], ARGV[1], ARGV[2], ARGV[3])
+)lua";
+
 // KEYS owners expiry; ARGV prefix now limit. Owner and id of each that was removed.
-const RedisScript& RemoveExpiredScript();
+inline const char* const kRemoveExpiredBody = R"lua(
+local prefix = ARGV[1]
+local removed = {}
+local places = redis.call('ZRANGEBYSCORE', KEYS[2], '-inf', ARGV[2], 'LIMIT', 0, ARGV[3])
+for _, place in ipairs(places) do
+  local size, rest = string.match(place, '^(%d+):(.*)$')
+  local owner = string.sub(rest, 1, tonumber(size))
+  local id = string.sub(rest, tonumber(size) + 2)
+  forget(prefix .. 'session:' .. place, prefix .. 'ids:' .. owner, prefix .. 'counts:' .. owner,
+         KEYS[1], KEYS[2], id, owner, place)
+  table.insert(removed, owner)
+  table.insert(removed, id)
+end
+return removed
+)lua";
+
 // ARGV prefix cursor. The next cursor, then one string of blobs for every session on the way.
-const RedisScript& ReferencedScript();
+// Looks at the keys of the sessions themselves and not at an index: a session that were missed
+// would lose its blobs.
+inline const char* const kReferencedBody = R"lua(
+local page = redis.call('SCAN', ARGV[2], 'MATCH', ARGV[1] .. 'session:*', 'COUNT', 500)
+local found = {page[1]}
+for _, session in ipairs(page[2]) do
+  local blobs = redis.call('HGET', session, 'blobs')
+  if blobs then table.insert(found, blobs) end
+end
+return found
+)lua";
+
+struct RedisScripts {
+  RedisScript put{std::string(kKeepFunction) + kPutBody};
+  RedisScript extend{std::string(kKeepFunction) + kExtendBody};
+  RedisScript remove{std::string(kForgetFunction) + kRemoveBody};
+  RedisScript remove_expired{std::string(kForgetFunction) + kRemoveExpiredBody};
+  RedisScript referenced{kReferencedBody};
+};
 
 }  // namespace arap::store

@@ -24,12 +24,6 @@ std::string RandomName() {
   return fmt::format("{:08x}{:08x}{:08x}", random(), random(), random());
 }
 
-// Names the error by its first word; the rest may repeat what was sent.
-Fault FaultOf(const RedisReply& error) {
-  const std::string text = error.Text();
-  return Unavailable(fmt::format("Redis refuses with {}", text.substr(0, text.find(' '))));
-}
-
 std::string BlobsOf(const SessionRecord& record) {
   std::string blobs;
   for (const auto& [id, mesh] : record.meshes) blobs += mesh.blob + " ";
@@ -87,35 +81,13 @@ std::vector<std::string> RedisSpecStore::KeysOf(const SessionKey& key) const {
 
 std::string RedisSpecStore::NewToken() { return fmt::format("{}-{}", writer_, ++writes_); }
 
-Result<RedisReply> RedisSpecStore::Run(RedisCommand command) {
-  TRY(auto replies, pool_.Run({std::move(command)}));
-  if (replies.front().IsError()) return Fail(FaultOf(replies.front()));
-  return std::move(replies.front());
-}
-
-Result<RedisReply> RedisSpecStore::Run(const RedisScript& script,
-                                       const std::vector<std::string>& keys,
-                                       const std::vector<std::string>& arguments) {
-  RedisCommand command{"EVALSHA", script.sha1, std::to_string(keys.size())};
-  command.insert(command.end(), keys.begin(), keys.end());
-  command.insert(command.end(), arguments.begin(), arguments.end());
-  auto replies = pool_.Run({command});
-  if (!replies) return Fail(replies.error());
-  if (!replies->front().IsError()) return std::move(replies->front());
-  // Redis forgets scripts when it starts.
-  if (!replies->front().Text().starts_with("NOSCRIPT")) return Fail(FaultOf(replies->front()));
-  command[0] = "EVAL";
-  command[1] = script.text;
-  return Run(std::move(command));
-}
-
 Result<std::optional<SessionRecord>> RedisSpecStore::Load(const SessionKey& key) {
-  TRY(const auto reply, Run(LoadCommand(KeysOf(key)[0])));
+  TRY(const auto reply, pool_.Run(LoadCommand(KeysOf(key)[0])));
   return RecordOf(key, reply);
 }
 
 Result<std::optional<std::uint64_t>> RedisSpecStore::Revision(const SessionKey& key) {
-  TRY(const auto reply, Run(RedisCommand{"HGET", KeysOf(key)[0], "revision"}));
+  TRY(const auto reply, pool_.Run(RedisCommand{"HGET", KeysOf(key)[0], "revision"}));
   if (reply.IsNil()) return std::nullopt;
   return ToNumber(reply.Text());
 }
@@ -123,7 +95,7 @@ Result<std::optional<std::uint64_t>> RedisSpecStore::Revision(const SessionKey& 
 Result<bool> RedisSpecStore::Put(const SessionRecord& record) {
   TRY(auto text, EncodeRecord(record));
   const SessionKey& key = record.key;
-  auto reply = Run(PutScript(), KeysOf(key),
+  auto reply = pool_.Run(scripts_.put, KeysOf(key),
                    {std::to_string(record.revision - 1), std::to_string(record.revision),
                     NewToken(), std::move(text), std::to_string(ToMillis(record.expires)),
                     fmt::format("{} {}", record.meshes.size(), record.handle_sets.size()),
@@ -133,13 +105,13 @@ Result<bool> RedisSpecStore::Put(const SessionRecord& record) {
 }
 
 Result<bool> RedisSpecStore::Extend(const SessionKey& key, runtime::Clock::Wall expires) {
-  TRY(const auto reply, Run(ExtendScript(), {KeysOf(key)[0], Key("expiry")},
+  TRY(const auto reply, pool_.Run(scripts_.extend, {KeysOf(key)[0], Key("expiry")},
                             {std::to_string(ToMillis(expires)), PlaceOf(key)}));
   return reply.Int() == 1;
 }
 
 Result<bool> RedisSpecStore::Remove(const SessionKey& key) {
-  TRY(const auto reply, Run(RemoveScript(), KeysOf(key), {key.id, key.owner, PlaceOf(key)}));
+  TRY(const auto reply, pool_.Run(scripts_.remove, KeysOf(key), {key.id, key.owner, PlaceOf(key)}));
   return reply.Int() == 1;
 }
 
@@ -150,7 +122,7 @@ Result<std::vector<SessionRecord>> RedisSpecStore::List(const std::string& owner
   std::string last = after;
   for (bool more = true; more && records.size() < limit;) {
     const std::size_t want = limit - records.size();
-    TRY(const auto ids, Run(RedisCommand{"ZRANGEBYLEX", Key("ids:" + owner), "(" + last, "+",
+    TRY(const auto ids, pool_.Run(RedisCommand{"ZRANGEBYLEX", Key("ids:" + owner), "(" + last, "+",
                                          "LIMIT", "0", std::to_string(want)}));
     const std::vector<std::string> names = ids.Texts();
     if (names.empty()) break;
@@ -170,12 +142,12 @@ Result<std::vector<SessionRecord>> RedisSpecStore::List(const std::string& owner
 }
 
 Result<std::vector<std::string>> RedisSpecStore::Owners() {
-  TRY(const auto reply, Run(RedisCommand{"ZRANGEBYLEX", Key("owners"), "-", "+"}));
+  TRY(const auto reply, pool_.Run(RedisCommand{"ZRANGEBYLEX", Key("owners"), "-", "+"}));
   return reply.Texts();
 }
 
 Result<Usage> RedisSpecStore::UsageOf(const std::string& owner) {
-  TRY(const auto reply, Run(RedisCommand{"HVALS", Key("counts:" + owner)}));
+  TRY(const auto reply, pool_.Run(RedisCommand{"HVALS", Key("counts:" + owner)}));
   Usage usage;
   for (const std::string& counts : reply.Texts()) {
     const std::size_t space = std::min(counts.find(' '), counts.size());
@@ -188,7 +160,7 @@ Result<Usage> RedisSpecStore::UsageOf(const std::string& owner) {
 }
 
 Result<std::size_t> RedisSpecStore::Count() {
-  TRY(const auto reply, Run(RedisCommand{"ZCARD", Key("expiry")}));
+  TRY(const auto reply, pool_.Run(RedisCommand{"ZCARD", Key("expiry")}));
   return static_cast<std::size_t>(reply.Int());
 }
 
@@ -196,7 +168,7 @@ Result<std::vector<SessionKey>> RedisSpecStore::RemoveExpired(runtime::Clock::Wa
                                                               std::size_t limit) {
   // Expiries were rounded up; so this is rounded down.
   const auto millis = std::chrono::floor<std::chrono::milliseconds>(now.time_since_epoch());
-  TRY(const auto reply, Run(RemoveExpiredScript(), {Key("owners"), Key("expiry")},
+  TRY(const auto reply, pool_.Run(scripts_.remove_expired, {Key("owners"), Key("expiry")},
                             {prefix_, std::to_string(millis.count()), std::to_string(limit)}));
   const std::vector<std::string> names = reply.Texts();
   std::vector<SessionKey> removed;
@@ -208,7 +180,7 @@ Result<std::set<std::string>> RedisSpecStore::ReferencedBlobs() {
   std::set<std::string> blobs;
   std::string cursor = "0";
   do {
-    TRY(const auto reply, Run(ReferencedScript(), {}, {prefix_, cursor}));
+    TRY(const auto reply, pool_.Run(scripts_.referenced, {}, {prefix_, cursor}));
     const std::vector<std::string> found = reply.Texts();
     if (found.empty()) return Fail(Unavailable("Redis did not answer what was asked"));
     cursor = found[0];
@@ -220,7 +192,7 @@ Result<std::set<std::string>> RedisSpecStore::ReferencedBlobs() {
 }
 
 Status RedisSpecStore::Probe() {
-  TRY(const auto reply, Run(RedisCommand{"PING"}));
+  TRY(const auto reply, pool_.Run(RedisCommand{"PING"}));
   return {};
 }
 

@@ -50,14 +50,10 @@ class RedisSpecStore final : public SpecStore {
   std::vector<std::string> KeysOf(const SessionKey& key) const;
   std::string NewToken();
 
-  // One command whose reply is no error.
-  Result<RedisReply> Run(RedisCommand command);
-  Result<RedisReply> Run(const RedisScript& script, const std::vector<std::string>& keys,
-                         const std::vector<std::string>& arguments);
-
   const std::string prefix_;
   const std::string writer_;  // no other store has it
   std::atomic<std::uint64_t> writes_{0};
+  const RedisScripts scripts_;
   RedisPool pool_;
 };
 

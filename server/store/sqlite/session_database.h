@@ -1,5 +1,5 @@
-// The database of sessions in a directory: how it is opened, and how a damaged one is replaced by a
-// new one with all that can be read.
+// The database of sessions in a directory: how it is opened, how a damaged one is replaced by a new
+// one with all that can be read, and what the codes of SQLite mean to the store.
 #pragma once
 
 #include <optional>
@@ -25,5 +25,16 @@ enum class Trust {
 // Opens sessions.db in `directory` for this process alone: WAL, synchronous = FULL. What is damaged
 // is recovered. kStoreUnavailable when it cannot be read or written, or is of a later version.
 Result<OpenedDatabase> OpenDatabase(const std::string& directory, Trust trust);
+
+// What the codes mean to the store.
+
+// kStoreUnavailable with the cause in words.
+Fault SqliteFault(SqliteCode code);
+
+// The file is no database of this version any more, or a page of it is damaged.
+bool IsDamage(SqliteCode code);
+
+// The connection may not be good after this; a new one might be.
+bool IsBroken(SqliteCode code);
 
 }  // namespace arap::store

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "core/base/try.h"
-#include "core/token/sha256.h"
+#include "core/token/digest.h"
 #include "server/store/record_format.h"
 #include "server/store/store.h"
 

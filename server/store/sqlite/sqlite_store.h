@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/base/mutex.h"
-#include "server/store/blobs/files.h"
+#include "core/base/files.h"
 #include "server/store/sqlite/session_rows.h"
 #include "server/store/sqlite/sqlite.h"
 #include "server/store/store.h"

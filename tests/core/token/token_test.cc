@@ -11,7 +11,7 @@
 
 #include "core/base/hex.h"
 #include "core/base/names.h"
-#include "core/token/sha256.h"
+#include "core/token/digest.h"
 #include "core/token/token_file.h"
 
 namespace arap {

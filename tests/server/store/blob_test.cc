@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/token/sha256.h"
+#include "core/token/digest.h"
 #include "server/store/blobs/file_blobs.h"
 #include "tests/server/store/temp_dir.h"
 

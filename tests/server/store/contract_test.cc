@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/token/sha256.h"
+#include "core/token/digest.h"
 #include "tests/server/store/records.h"
 #include "tests/server/store/store_kind.h"
 

@@ -8,7 +8,7 @@
 #include <sys/mount.h>
 #include <unistd.h>
 
-#include "server/store/blobs/files.h"
+#include "core/base/files.h"
 
 namespace arap::testing {
 
@@ -20,7 +20,7 @@ TinyDisk::~TinyDisk() {
 }
 
 void TinyDisk::Fill() {
-  const store::File file(open((dir_ / "filler").c_str(), O_WRONLY | O_CREAT, 0600));
+  const File file(open((dir_ / "filler").c_str(), O_WRONLY | O_CREAT, 0600));
   for (const std::size_t size : {65536u, 4096u, 1u}) {
     const std::string bytes(size, 'x');
     lseek(file.fd(), 0, SEEK_END);
@@ -47,7 +47,7 @@ FileSizeLimit::FileSizeLimit(rlim_t bytes) {
 FileSizeLimit::~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
 
 bool SetImmutable(const std::string& path, bool immutable) {
-  const store::File file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  const File file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
   int flags = 0;
   if (!file || ioctl(file.fd(), FS_IOC_GETFLAGS, &flags) != 0) return false;
   const auto bit = static_cast<int>(FS_IMMUTABLE_FL);

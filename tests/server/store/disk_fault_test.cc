@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/token/sha256.h"
+#include "core/token/digest.h"
 #include "server/store/open_store.h"
 #include "tests/server/store/disk.h"
 #include "tests/server/store/records.h"

@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "core/token/sha256.h"
+#include "core/token/digest.h"
 #include "server/store/open_store.h"
 #include "tests/server/store/records.h"
 #include "tests/server/store/temp_dir.h"

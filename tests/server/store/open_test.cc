@@ -3,7 +3,7 @@
 #include <sys/stat.h>
 
 #include "server/store/open_store.h"
-#include "server/store/redis/redis_url.h"
+#include "server/store/redis/redis.h"
 #include "tests/server/store/temp_dir.h"
 
 namespace arap::store {

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <stdlib.h>
 
-#include "core/token/sha256.h"
+#include "core/token/digest.h"
 
 namespace arap::wire {
 

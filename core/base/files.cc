@@ -1,4 +1,4 @@
-#include "server/store/blobs/files.h"
+#include "core/base/files.h"
 
 #include <cerrno>
 
@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-namespace arap::store {
+namespace arap {
 
 File::~File() {
   if (fd_ >= 0) close(fd_);
@@ -82,4 +82,4 @@ int FileLock::Take(const std::string& path, Kind kind, bool wait, FileLock& lock
   return 0;
 }
 
-}  // namespace arap::store
+}  // namespace arap

@@ -8,7 +8,7 @@
 
 #include "arap/base/result.h"
 
-namespace arap::store {
+namespace arap {
 
 // Owns a file descriptor; -1 is none.
 class File {
@@ -59,4 +59,4 @@ class FileLock {
   File file_;
 };
 
-}  // namespace arap::store
+}  // namespace arap
