@@ -74,7 +74,7 @@ Status CheckCredentials(const host::HostOptions& options) {
   return {};
 }
 
-Status CheckStore(const store::StoreOptions& options) {
+Status CheckStoreFlags(const store::StoreOptions& options) {
   CHECK_OK(store::CheckStore(options));
   constexpr std::string_view kSqlite = "sqlite:";
   if (!options.store.starts_with(kSqlite)) return {};
@@ -90,7 +90,7 @@ Status Check(const Config& config) {
   }
   if (!config.host.admin.empty()) CHECK_OK(host::ParseAdminAddress(config.host.admin));
   CHECK_OK(CheckCredentials(config.host));
-  CHECK_OK(CheckStore(config.host.store));
+  CHECK_OK(CheckStoreFlags(config.host.store));
   for (const auto& [flag, path] :
        {std::pair{"log-file", config.log.file}, std::pair{"access-log", config.log.access}}) {
     if (path.empty() || path == "-" || path == "off") continue;

@@ -5,13 +5,13 @@
 
 #include <fmt/format.h>
 
+#include "core/base/files.h"
 #include "core/base/try.h"
 #include "server/runtime/clock.h"
 #include "server/store/blobs/file_blobs.h"
-#include "core/base/files.h"
 #include "server/store/memory_store.h"
-#include "server/store/redis/redis_store.h"
 #include "server/store/redis/redis.h"
+#include "server/store/redis/redis_store.h"
 #include "server/store/sqlite/sqlite_store.h"
 #include "server/store/store.h"
 

@@ -152,7 +152,8 @@ class BlobStore {
                                     std::chrono::seconds age) = 0;
 };
 
-// Times as they are stored: milliseconds since 1970, rounded up, so that what expires never does so earlier for being stored.
+// Times as they are stored: milliseconds since 1970, rounded up: what expires never does so earlier
+// for being stored.
 std::int64_t ToMillis(runtime::Clock::Wall time);
 runtime::Clock::Wall FromMillis(std::int64_t millis);
 

@@ -10,10 +10,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/base/files.h"
 #include "core/base/hex.h"
 #include "core/base/try.h"
 #include "core/token/digest.h"
-#include "core/base/files.h"
 #include "server/store/store.h"
 
 namespace arap::store {

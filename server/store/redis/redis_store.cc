@@ -96,17 +96,17 @@ Result<bool> RedisSpecStore::Put(const SessionRecord& record) {
   TRY(auto text, EncodeRecord(record));
   const SessionKey& key = record.key;
   auto reply = pool_.Run(scripts_.put, KeysOf(key),
-                   {std::to_string(record.revision - 1), std::to_string(record.revision),
-                    NewToken(), std::move(text), std::to_string(ToMillis(record.expires)),
-                    fmt::format("{} {}", record.meshes.size(), record.handle_sets.size()),
-                    BlobsOf(record), key.id, key.owner, PlaceOf(key)});
+                         {std::to_string(record.revision - 1), std::to_string(record.revision),
+                          NewToken(), std::move(text), std::to_string(ToMillis(record.expires)),
+                          fmt::format("{} {}", record.meshes.size(), record.handle_sets.size()),
+                          BlobsOf(record), key.id, key.owner, PlaceOf(key)});
   if (!reply) return Fail(reply.error());
   return reply->Int() == 1;
 }
 
 Result<bool> RedisSpecStore::Extend(const SessionKey& key, runtime::Clock::Wall expires) {
   TRY(const auto reply, pool_.Run(scripts_.extend, {KeysOf(key)[0], Key("expiry")},
-                            {std::to_string(ToMillis(expires)), PlaceOf(key)}));
+                                  {std::to_string(ToMillis(expires)), PlaceOf(key)}));
   return reply.Int() == 1;
 }
 
@@ -123,7 +123,7 @@ Result<std::vector<SessionRecord>> RedisSpecStore::List(const std::string& owner
   for (bool more = true; more && records.size() < limit;) {
     const std::size_t want = limit - records.size();
     TRY(const auto ids, pool_.Run(RedisCommand{"ZRANGEBYLEX", Key("ids:" + owner), "(" + last, "+",
-                                         "LIMIT", "0", std::to_string(want)}));
+                                               "LIMIT", "0", std::to_string(want)}));
     const std::vector<std::string> names = ids.Texts();
     if (names.empty()) break;
     std::vector<RedisCommand> loads;
@@ -168,8 +168,9 @@ Result<std::vector<SessionKey>> RedisSpecStore::RemoveExpired(runtime::Clock::Wa
                                                               std::size_t limit) {
   // Expiries were rounded up; so this is rounded down.
   const auto millis = std::chrono::floor<std::chrono::milliseconds>(now.time_since_epoch());
-  TRY(const auto reply, pool_.Run(scripts_.remove_expired, {Key("owners"), Key("expiry")},
-                            {prefix_, std::to_string(millis.count()), std::to_string(limit)}));
+  TRY(const auto reply,
+      pool_.Run(scripts_.remove_expired, {Key("owners"), Key("expiry")},
+                {prefix_, std::to_string(millis.count()), std::to_string(limit)}));
   const std::vector<std::string> names = reply.Texts();
   std::vector<SessionKey> removed;
   for (std::size_t i = 0; i + 1 < names.size(); i += 2) removed.push_back({names[i], names[i + 1]});

@@ -10,8 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "core/base/try.h"
 #include "core/base/files.h"
+#include "core/base/try.h"
 #include "server/store/sqlite/session_rows.h"
 
 namespace arap::store {

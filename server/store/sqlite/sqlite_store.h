@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "core/base/mutex.h"
 #include "core/base/files.h"
+#include "core/base/mutex.h"
 #include "server/store/sqlite/session_rows.h"
 #include "server/store/sqlite/sqlite.h"
 #include "server/store/store.h"

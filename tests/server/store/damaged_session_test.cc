@@ -9,7 +9,6 @@
 #include "server/sessions/session_registry.h"
 #include "server/store/open_store.h"
 #include "server/store/redis/redis.h"
-#include "server/store/redis/redis.h"
 #include "server/store/sqlite/sqlite.h"
 #include "tests/server/store/redis_server.h"
 #include "tests/server/store/store_kind.h"
