@@ -1,4 +1,4 @@
-// The server's rooms below the wire: sessions, the mesh cache, cancellation, targets, poses.
+// The server's rooms below the wire: sessions, the mesh cache, cancellation.
 #include <memory>
 #include <utility>
 #include <vector>

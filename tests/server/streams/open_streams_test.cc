@@ -2,10 +2,11 @@
 #include "server/streams/open_streams.h"
 
 #include <optional>
-#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "tests/support/bounded.h"
 
 namespace arap::app {
 namespace {
@@ -89,7 +90,7 @@ TEST(OpenStreamsTest, NobodyIsForgottenByADrain) {
   for (int round = 0; round < 50; ++round) {
     OpenStreams streams(1'000);
     std::vector<std::shared_ptr<FakeCall>> admitted;
-    std::thread comer([&] {
+    testing::BoundedThread comer("the streams that come", [&] {
       for (;;) {
         auto call = std::make_shared<FakeCall>();
         if (!streams.Add(call, Owner("ann", 1'000))) return;
@@ -97,7 +98,7 @@ TEST(OpenStreamsTest, NobodyIsForgottenByADrain) {
       }
     });
     streams.Drain();
-    comer.join();
+    comer.Join();
     for (const auto& call : admitted) EXPECT_TRUE(call->ended.has_value());
   }
 }
