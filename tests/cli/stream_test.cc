@@ -1,9 +1,9 @@
 // Live streams of the client library against a private server.
-#include <thread>
 
 #include <gmock/gmock.h>
 
 #include "tests/cli/server_test.h"
+#include "tests/support/bounded.h"
 
 namespace arap::cli {
 namespace {
@@ -87,7 +87,7 @@ TEST_F(Stream, GoesOnAfterABadUpdate) {
 TEST_F(Stream, OneThreadReadsWhileOthersSend) {
   constexpr std::uint64_t kUpdates = 200;
   DeformStream stream = Open(Delivery::kEvery);
-  std::thread writer([&] {
+  testing::BoundedThread writer("the sender", [&] {
     for (std::uint64_t i = 1; i <= kUpdates; ++i) {
       EXPECT_TRUE(stream.Send({i, {{"right", {{8, static_cast<double>(i) / 100}}}}, {}, {}}));
     }
@@ -97,15 +97,15 @@ TEST_F(Stream, OneThreadReadsWhileOthersSend) {
   for (auto event = stream.Read(); event && *event; event = stream.Read()) {
     EXPECT_EQ(std::get<client::Shape>(**event).sequence, ++answered);
   }
-  writer.join();
+  writer.Join();
   EXPECT_EQ(answered, kUpdates);
 }
 
 TEST_F(Stream, CancelFreesAReader) {
   DeformStream stream = Open(Delivery::kLatest);
-  std::thread other([&] { stream.Cancel(); });
+  testing::BoundedThread other("the one that cancels", [&] { stream.Cancel(); });
   const auto event = stream.Read();
-  other.join();
+  other.Join();
   ASSERT_FALSE(event);
   EXPECT_EQ(event.error().kind, FaultKind::kCancelled);
   const Status sent = stream.Send({1, {}, {}, {}});

@@ -1,7 +1,7 @@
 // What a deformation must not depend on, and what it must follow.
-#include <thread>
 
 #include "tests/core/deform/fixture.h"
+#include "tests/support/bounded.h"
 #include "tests/support/compare.h"
 #include "tests/support/dense_arap.h"
 #include "tests/support/meshes.h"
@@ -164,9 +164,9 @@ TEST(InvarianceTest, SameTargetsGiveTheSameBytesWhateverCameBefore) {
     const auto targets = RandomTargets(*set, 4, 7);
     const auto expected = Deform(set, targets);
     std::vector<std::vector<Complex>> answers(4);
-    std::vector<std::thread> threads;
+    std::vector<BoundedThread> threads;
     for (std::size_t i = 0; i < answers.size(); ++i) {
-      threads.emplace_back([&, i] {
+      threads.emplace_back("a thread that deforms", [&, i] {
         Deformer deformer(set);
         for (std::uint64_t before = 0; before < 5 + i; ++before) {
           (void)deformer.Update(RandomTargets(*set, 50, before));
@@ -175,7 +175,7 @@ TEST(InvarianceTest, SameTargetsGiveTheSameBytesWhateverCameBefore) {
         answers[i].assign(deformer.positions().begin(), deformer.positions().end());
       });
     }
-    for (std::thread& t : threads) t.join();
+    threads.clear();
     for (const auto& answer : answers) EXPECT_EQ(answer, expected);
   }
 }

@@ -2,11 +2,12 @@
 #include "core/sparse/factor.h"
 
 #include <random>
-#include <thread>
 #include <vector>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
+
+#include "tests/support/bounded.h"
 
 namespace arap::testing {
 namespace {
@@ -128,9 +129,9 @@ TYPED_TEST(FactorTest, IsSharedByThreadsWithEqualBytes) {
   const auto factor = Factor<Scalar>::Make(lower, FactorLayout::kSupernodal);
   ASSERT_TRUE(factor.has_value());
   std::vector<std::vector<Scalar>> answers(4);
-  std::vector<std::thread> threads;
+  std::vector<BoundedThread> threads;
   for (auto& answer : answers) {
-    threads.emplace_back([&answer, &factor] {
+    threads.emplace_back("a thread that solves", [&answer, &factor] {
       Workspace workspace;
       const std::vector<Scalar> b(400, Scalar(1));
       for (int i = 0; i < 20; ++i) {
@@ -139,7 +140,7 @@ TYPED_TEST(FactorTest, IsSharedByThreadsWithEqualBytes) {
       }
     });
   }
-  for (std::thread& t : threads) t.join();
+  threads.clear();
   for (const auto& answer : answers) EXPECT_EQ(answer, answers[0]);
 }
 

@@ -2,11 +2,12 @@
 #include "server/runtime/metrics.h"
 
 #include <cstdlib>
-#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <malloc.h>
+
+#include "tests/support/bounded.h"
 
 namespace arap::runtime {
 namespace {
@@ -102,16 +103,16 @@ TEST(MetricsTest, ReadsWhatIsWatchedWhenAsked) {
 
 TEST(MetricsTest, CountsFromManyThreads) {
   Metrics metrics;
-  std::vector<std::thread> threads;
+  std::vector<testing::BoundedThread> threads;
   for (int i = 0; i < 4; ++i) {
-    threads.emplace_back([&] {
+    threads.emplace_back("the threads that count", [&] {
       for (int k = 0; k < 1'000; ++k) {
         metrics.Rpc(k % 2 == 0 ? "A" : "B", "OK", 0.1);
         metrics.CacheHit("c");
       }
     });
   }
-  for (std::thread& thread : threads) thread.join();
+  threads.clear();
   const std::string text = metrics.Text();
   EXPECT_THAT(text, HasSubstr("arapd_rpcs_total{code=\"OK\",method=\"A\"} 2000\n"));
   EXPECT_THAT(text, HasSubstr("arapd_cache_hits_total{cache=\"c\"} 4000\n"));

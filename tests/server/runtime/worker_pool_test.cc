@@ -7,7 +7,6 @@
 #include <chrono>
 #include <future>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -16,6 +15,7 @@
 #include <unistd.h>
 
 #include "server/runtime/metrics.h"
+#include "tests/support/bounded.h"
 
 namespace arap::runtime {
 namespace {
@@ -154,13 +154,13 @@ TEST(WorkerPoolTest, TellsWhenAThreadIsFree) {
   Blocker second(pool);
   EXPECT_FALSE(pool.AwaitFreeThread(milliseconds(1)));
   std::atomic<bool> opened{false};
-  std::thread waiting([&] {
+  testing::BoundedThread waiting("the one that waits for a thread", [&] {
     EXPECT_TRUE(pool.AwaitFreeThread(kPatience)) << "no thread has become free";
     EXPECT_TRUE(opened);
   });
   opened = true;
   first.Open();
-  waiting.join();
+  waiting.Join();
   second.Open();
 }
 

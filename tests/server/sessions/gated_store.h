@@ -8,7 +8,7 @@
 
 #include "core/base/mutex.h"
 #include "server/store/memory_store.h"
-#include "tests/support/eventually.h"
+#include "tests/support/bounded.h"
 
 namespace arap::testing {
 
@@ -26,7 +26,7 @@ class GatedStore final : public store::MemorySpecStore {
   // Waits for that call.
   void AwaitHeldCall() {
     const MutexLock lock(&mutex_);
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    const auto deadline = std::chrono::steady_clock::now() + kLongest;
     while (!held_) {
       if (changed_.WaitUntil(&mutex_, deadline)) break;
     }
@@ -68,7 +68,7 @@ class GatedStore final : public store::MemorySpecStore {
     awaited_.reset();
     held_ = true;
     changed_.SignalAll();
-    const auto deadline = std::chrono::steady_clock::now() + 2 * kPatience;
+    const auto deadline = std::chrono::steady_clock::now() + 2 * kLongest;
     while (!open_) {
       if (changed_.WaitUntil(&mutex_, deadline)) break;
     }

@@ -10,7 +10,7 @@
 #include "server/sessions/session_locks.h"
 #include "server/sessions/session_registry.h"
 #include "tests/server/sessions/gated_store.h"
-#include "tests/support/eventually.h"
+#include "tests/support/bounded.h"
 #include "tests/support/fake_clock.h"
 
 namespace arap::app {
@@ -18,7 +18,7 @@ namespace {
 
 using std::chrono::minutes;
 using testing::Answer;
-using testing::Eventually;
+using testing::Await;
 using testing::GatedStore;
 using Call = GatedStore::Call;
 
@@ -56,8 +56,8 @@ class SessionLockTest : public ::testing::Test {
   // Lets the held call go on once `other` has ended or waits for a session's lock.
   template <class T>
   void Meet(const std::future<T>& other) {
-    EXPECT_TRUE(Eventually("the second call to end or to wait for the first",
-                           [&] { return IsReady(other) || sessions_.waiting() > 0; }));
+    EXPECT_TRUE(Await("the second call to end or to wait for the first",
+                      [&] { return IsReady(other) || sessions_.waiting() > 0; }));
     store_.LetGo();
   }
   bool IsStored(const Caller& caller, const std::string& id = kId) {
@@ -164,7 +164,7 @@ TEST_F(SessionLockTest, SessionsDoNotWaitForEachOthersStore) {
       EXPECT_TRUE(sessions_.Delete("ann", "t"));
       EXPECT_TRUE(sessions_.Sweep());
     });
-    EXPECT_TRUE(Eventually("ben's calls to end", [&] { return IsReady(life); }));
+    EXPECT_TRUE(Await("ben's calls to end", [&] { return IsReady(life); }));
     EXPECT_FALSE(IsReady(slow));
     store_.LetGo();
     EXPECT_TRUE(Answer(slow, "the call that was held up"));

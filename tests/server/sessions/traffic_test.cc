@@ -2,7 +2,6 @@
 // is that nothing is lost and, under ThreadSanitizer, that nothing races.
 #include <atomic>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -12,6 +11,7 @@
 #include "server/sessions/handle_sets.h"
 #include "server/sessions/meshes.h"
 #include "server/sessions/rebuild.h"
+#include "tests/support/bounded.h"
 #include "tests/support/fake_clock.h"
 #include "tests/support/meshes.h"
 
@@ -67,7 +67,7 @@ class TrafficTest : public ::testing::Test {
 TEST_F(TrafficTest, NothingIsLost) {
   const Caller ann{"ann", Role::kUser, {}}, ben{"ben", Role::kUser, {}};
   std::atomic<bool> done = false;
-  std::thread sweeper([&] {
+  testing::BoundedThread sweeper("the sweeper", [&] {
     while (!done) {
       EXPECT_TRUE(engine_.Sweep());
       engine_.derived.EvictIdle(std::chrono::seconds(0));
@@ -76,13 +76,14 @@ TEST_F(TrafficTest, NothingIsLost) {
     }
   });
   for (const Caller& caller : {ann, ben}) Open(caller);
-  std::vector<std::thread> lives;
+  std::vector<testing::BoundedThread> lives;
   for (int i = 0; i < 4; ++i) {
-    lives.emplace_back([this, &caller = i % 2 == 0 ? ann : ben, i] { Live(caller, i); });
+    lives.emplace_back("the calls of an owner",
+                       [this, &caller = i % 2 == 0 ? ann : ben, i] { Live(caller, i); });
   }
-  for (std::thread& life : lives) life.join();
+  lives.clear();
   done = true;
-  sweeper.join();
+  sweeper.Join();
   for (const Caller& caller : {ann, ben}) {
     const auto session = engine_.sessions.Use(caller.owner, "s");
     ASSERT_TRUE(session);

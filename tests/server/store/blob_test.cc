@@ -2,7 +2,6 @@
 #include <atomic>
 #include <filesystem>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -10,6 +9,7 @@
 #include "core/token/digest.h"
 #include "server/store/blobs/file_blobs.h"
 #include "tests/server/store/temp_dir.h"
+#include "tests/support/bounded.h"
 
 namespace arap::store {
 namespace {
@@ -120,7 +120,7 @@ TEST_F(BlobTest, WhatWasJustPutIsNotSwept) {
   auto other = FileBlobStore::Open(root_);  // another replica
   ASSERT_TRUE(other);
   std::atomic<bool> done{false};
-  std::thread sweeper([&] {
+  testing::BoundedThread sweeper("the sweeper", [&] {
     while (!done) EXPECT_TRUE((*other)->Sweep({}, hours(1)));
   });
   for (int i = 0; i < 200; ++i) {
@@ -130,7 +130,7 @@ TEST_F(BlobTest, WhatWasJustPutIsNotSwept) {
     EXPECT_EQ(blobs_->Get(hash_), bytes_) << i;
   }
   done = true;
-  sweeper.join();
+  sweeper.Join();
 }
 
 }  // namespace

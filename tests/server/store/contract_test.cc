@@ -1,7 +1,6 @@
 // What every store promises, on each of them.
 #include <atomic>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -9,6 +8,7 @@
 #include "core/token/digest.h"
 #include "tests/server/store/records.h"
 #include "tests/server/store/store_kind.h"
+#include "tests/support/bounded.h"
 
 namespace arap::store {
 namespace {
@@ -167,10 +167,10 @@ TEST_P(ContractTest, OneOfManyWritersWinsEveryRevision) {
   constexpr std::uint64_t kRevisions = 40;
   std::atomic<std::uint64_t> wins{0};
   constexpr std::size_t kWriters = 4;
-  std::vector<std::thread> writers;
+  std::vector<testing::BoundedThread> writers;
   writers.reserve(kWriters);
   for (std::size_t writer = 0; writer < kWriters; ++writer) {
-    writers.emplace_back([this, &wins] {
+    writers.emplace_back("a writer", [this, &wins] {
       for (std::uint64_t revision = 1; revision <= kRevisions; ++revision) {
         SessionRecord record = PlainRecord("ann", "s");
         record.revision = revision;
@@ -180,7 +180,7 @@ TEST_P(ContractTest, OneOfManyWritersWinsEveryRevision) {
       }
     });
   }
-  for (std::thread& writer : writers) writer.join();
+  writers.clear();
   EXPECT_EQ(wins, kRevisions);
   EXPECT_EQ(**specs().Revision({"ann", "s"}), kRevisions);
   EXPECT_EQ(specs().UsageOf("ann")->meshes, 1u);
@@ -189,7 +189,7 @@ TEST_P(ContractTest, OneOfManyWritersWinsEveryRevision) {
 TEST_P(ContractTest, ReferencesAreRightWhileOthersWrite) {
   Add("ann", "stays", 'f');
   std::atomic<bool> done{false};
-  std::thread writer([&] {
+  testing::BoundedThread writer("the writer", [&] {
     for (int i = 0; i < 100; ++i) {
       const std::string id = "s" + std::to_string(i);
       EXPECT_EQ(specs().Put(PlainRecord("ann", id, 'b')), true);
@@ -198,7 +198,7 @@ TEST_P(ContractTest, ReferencesAreRightWhileOthersWrite) {
     done = true;
   });
   while (!done) EXPECT_TRUE(specs().ReferencedBlobs()->contains(std::string(64, 'f')));
-  writer.join();
+  writer.Join();
   EXPECT_EQ(specs().ReferencedBlobs()->size(), 1u);
 }
 

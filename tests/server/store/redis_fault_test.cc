@@ -1,7 +1,6 @@
 // Redis that goes and comes back, hangs, refuses, or holds nonsense.
 #include <chrono>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -10,6 +9,7 @@
 #include "server/store/redis/redis_store.h"
 #include "tests/server/store/records.h"
 #include "tests/server/store/redis_server.h"
+#include "tests/support/bounded.h"
 
 namespace arap::store {
 namespace {
@@ -65,10 +65,10 @@ TEST(RedisFaultTest, AHangEndsWithTheTimeoutForAllCallers) {
   redis.Freeze();
   const auto start = steady_clock::now();
   constexpr std::size_t kCallers = 8;
-  std::vector<std::thread> callers;
+  std::vector<testing::BoundedThread> callers;
   callers.reserve(kCallers);
   for (std::size_t i = 0; i < kCallers; ++i) {
-    callers.emplace_back([&] {
+    callers.emplace_back("a caller of a store that hangs", [&] {
       for (int call = 0; call < 3; ++call) {
         const auto probe = specs.Probe();
         ASSERT_FALSE(probe);
@@ -76,7 +76,7 @@ TEST(RedisFaultTest, AHangEndsWithTheTimeoutForAllCallers) {
       }
     });
   }
-  for (std::thread& caller : callers) caller.join();
+  callers.clear();
   // 24 calls one after the other would take 7 s and more.
   EXPECT_LT(steady_clock::now() - start, std::chrono::seconds(4));
   redis.Thaw();

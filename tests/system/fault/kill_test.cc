@@ -8,12 +8,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
-#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <poll.h>
 
+#include "tests/support/bounded.h"
 #include "tests/system/fault/busy_client.h"
 #include "tests/system/fault/server_process.h"
 
@@ -50,16 +50,17 @@ TEST(Kill, WhatWasAcknowledgedIsThere) {
     const std::size_t answers = random.Below(60);
     const auto more = static_cast<int>(random.Below(4));
     std::atomic<std::size_t> acknowledged = 0;
-    std::vector<std::thread> threads;
+    std::vector<testing::BoundedThread> threads;
     for (const auto& busy : clients) {
       threads.emplace_back(
+          "the client of a killed server",
           [&busy = *busy, &server, &acknowledged] { busy.Work(server.address(), acknowledged); });
     }
     EXPECT_TRUE(Eventually([&] { return acknowledged >= answers; }));
     poll(nullptr, 0, more);
     server.Signal(SIGKILL);
     EXPECT_EQ(server.Wait(std::chrono::seconds(20)), 128 + SIGKILL);
-    for (std::thread& thread : threads) thread.join();
+    threads.clear();
     acknowledged_in_all += acknowledged;
     std::printf("round %llu: killed after %zu answers\n", static_cast<unsigned long long>(round),
                 acknowledged.load());

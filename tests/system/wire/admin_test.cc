@@ -11,7 +11,7 @@
 
 #include "server/host/admin_http.h"
 #include "server/runtime/metrics.h"
-#include "tests/support/await.h"
+#include "tests/support/bounded.h"
 #include "tests/system/wire/http_get.h"
 #include "tests/system/wire/wire_fixture.h"
 

@@ -1,11 +1,10 @@
 // Flatten over the wire: every refusal is named, and the server goes on serving.
 #include <limits>
-#include <thread>
 
 #include <gmock/gmock.h>
 
 #include "core/mesh/space.h"
-#include "tests/support/await.h"
+#include "tests/support/bounded.h"
 #include "tests/support/surfaces.h"
 #include "tests/system/wire/flatten_fixture.h"
 
@@ -267,7 +266,9 @@ TEST_F(FlattenFaultTest, CancelledCallsLeaveTheLane) {
     SetDeadline(context);
     v1::FlattenResponse response;
     grpc::Status status;
-    std::thread call([&] { status = flattening().Flatten(&context, request, &response); });
+    testing::BoundedThread call("the call that is cancelled", [&] {
+      status = flattening().Flatten(&context, request, &response);
+    });
     ASSERT_TRUE(
         testing::Await("the job waits", [&] { return host().engine().jobs.waiting() > 0; }));
     if (!waiting) {
@@ -276,7 +277,7 @@ TEST_F(FlattenFaultTest, CancelledCallsLeaveTheLane) {
           testing::Await("the job runs", [&] { return host().engine().jobs.waiting() == 0; }));
     }
     context.TryCancel();
-    call.join();
+    call.Join();
     EXPECT_EQ(status.error_code(), grpc::CANCELLED);
     gate.Open();
     Flat(RequestFor(BentStrip()));

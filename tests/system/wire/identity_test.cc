@@ -3,7 +3,6 @@
 #include <memory>
 #include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -12,7 +11,7 @@
 
 #include "arap/client/client.h"
 #include "proto/convert/mesh.h"
-#include "tests/support/await.h"
+#include "tests/support/bounded.h"
 #include "tests/system/wire/authority.h"
 #include "tests/system/wire/token_fixture.h"
 #include "tests/system/wire/wire_fixture.h"
@@ -177,7 +176,7 @@ TEST_F(IdentityTest, TracksUnderARevokedTokenEnd) {
   const client::Session session = SetUp(ConnectAs(alice_));
   PoolGate gate(host().engine().jobs);
   Status ended;
-  std::thread caller([&] {
+  testing::BoundedThread caller("the track", [&] {
     const std::vector<std::string> ids{"left", "right"};
     const std::vector<std::vector<Target>> frames(100, {{{0, 0}}, {{2, 0}}});
     ended = session.DeformTrack("set", ids, frames, {}, [](client::Shape&&) { return true; });
@@ -188,7 +187,7 @@ TEST_F(IdentityTest, TracksUnderARevokedTokenEnd) {
   // The track may still be on its way from being counted to being watched; then it is told at once.
   ASSERT_TRUE(host().credentials().Reload());
   gate.Open();
-  caller.join();
+  caller.Join();
   ASSERT_FALSE(ended);
   EXPECT_EQ(ended.error().kind, FaultKind::kUnauthenticated);
 }

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <thread>
 
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -10,7 +9,7 @@
 
 #include "server/host/listen.h"
 #include "server/version.h"
-#include "tests/support/await.h"
+#include "tests/support/bounded.h"
 #include "tests/system/wire/wire_fixture.h"
 
 namespace arap::wire {
@@ -139,12 +138,13 @@ TEST_F(LifecycleTest, StopRunsWhatWasAcceptedAndMayBeRepeated) {
   SetUpCorners();
   PoolGate gate(host().engine().jobs);
   grpc::Status status;
-  std::thread caller([&] { status = Register("s", "m2", Grid(3, 3)); });
+  testing::BoundedThread caller("the registration",
+                                [&] { status = Register("s", "m2", Grid(3, 3)); });
   ASSERT_TRUE(testing::Await("the job waits", [&] { return host().engine().jobs.waiting() > 0; }));
-  std::thread stopper([&] { host().Stop(std::chrono::minutes(1)); });
+  testing::BoundedThread stopper("the stop", [&] { host().Stop(std::chrono::minutes(1)); });
   gate.Open();
-  stopper.join();
-  caller.join();
+  stopper.Join();
+  caller.Join();
   EXPECT_TRUE(status.ok()) << status.error_message();
   host().Stop(std::chrono::seconds(0));
 }

@@ -1,11 +1,10 @@
 // Every limit through the wire: refused by name with RESOURCE_EXHAUSTED and RetryInfo, and told by
 // GetServerInfo.
-#include <thread>
 
 #include <gmock/gmock.h>
 
 #include "server/engine.h"
-#include "tests/support/await.h"
+#include "tests/support/bounded.h"
 #include "tests/system/wire/wire_fixture.h"
 
 namespace arap::wire {
@@ -98,12 +97,13 @@ TEST_F(LimitsTest, JobsOfOneKind) {
   options().limits.max_queued_jobs = 8;
   SetUpCorners();
   PoolGate gate(host().engine().jobs);
-  std::thread first([&] { EXPECT_TRUE(Register("s", "n", Grid(3, 3)).ok()); });
+  testing::BoundedThread first("the first registration",
+                               [&] { EXPECT_TRUE(Register("s", "n", Grid(3, 3)).ok()); });
   ASSERT_TRUE(testing::Await("the registration has begun",
                              [&] { return host().engine().registrations.inside() > 0; }));
   ExpectQuota(Register("s", "o", Grid(3, 3)), "max_registrations");
   gate.Open();
-  first.join();
+  first.Join();
   EXPECT_TRUE(Register("s", "o", Grid(3, 3)).ok());
   EXPECT_EQ(host().engine().registrations.inside(), 0u);
 }

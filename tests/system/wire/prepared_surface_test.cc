@@ -1,6 +1,6 @@
 // Flatten over the wire: surface_key saves work and changes nothing.
-#include <thread>
 
+#include "tests/support/bounded.h"
 #include "tests/support/surfaces.h"
 #include "tests/system/wire/flatten_fixture.h"
 
@@ -125,10 +125,10 @@ TEST_F(PreparedSurfaceTest, ManyAtOnce) {
   options().lanes = {2, 4};
   options().limits.max_queued_jobs = 64;
   const std::string expected = Bytes(Keyed(""), "");
-  std::vector<std::thread> threads;
+  std::vector<testing::BoundedThread> threads;
   threads.reserve(4);
   for (int i = 0; i < 4; ++i) {
-    threads.emplace_back([&, i] {
+    threads.emplace_back("a caller", [&, i] {
       for (int k = 0; k < 6; ++k) {
         v1::FlattenRequest request = Keyed("");
         if (k % 3 == 2) request.set_method(v1::FLATTEN_METHOD_LSCM);
@@ -139,7 +139,7 @@ TEST_F(PreparedSurfaceTest, ManyAtOnce) {
       }
     });
   }
-  for (std::thread& thread : threads) thread.join();
+  threads.clear();
   EXPECT_EQ(host().engine().surfaces.entries(), 2u);
 }
 

@@ -1,7 +1,7 @@
 // What ends a stream, and what it leaves.
 #include <chrono>
 
-#include "tests/support/await.h"
+#include "tests/support/bounded.h"
 #include "tests/system/wire/stream_fixture.h"
 
 namespace arap::wire {

@@ -1,7 +1,7 @@
 // Streams on a server that is full.
 #include <future>
 
-#include "tests/support/await.h"
+#include "tests/support/bounded.h"
 #include "tests/system/wire/stream_fixture.h"
 
 namespace arap::wire {
@@ -31,7 +31,9 @@ TEST_F(StreamTest, FramesGoBeforeTheCallsOfOthers) {
   DeformStream stream(deformation());
   stream.Opened("s", "h", v1::DELIVERY_LATEST);
   std::promise<void> go;
-  const auto call = [went = go.get_future().share()] { went.wait(); };
+  const auto call = [went = go.get_future().share()] {
+    EXPECT_EQ(went.wait_for(testing::kLongest), std::future_status::ready) << "the test goes on";
+  };
   {
     PoolGate gate(host().engine().interactive);
     while (host().engine().interactive.TryPost(call)) {

@@ -1,6 +1,6 @@
 // StreamDeform over the wire: the protocol and both deliveries.
-#include <thread>
 
+#include "tests/support/bounded.h"
 #include "tests/system/wire/stream_fixture.h"
 
 namespace arap::wire {
@@ -111,7 +111,7 @@ TEST_F(StreamTest, EveryAnswersEachInOrder) {
   DeformStream stream(deformation());
   stream.Opened("s", "h", v1::DELIVERY_EVERY);
   constexpr std::uint64_t kUpdates = 200;
-  std::thread sender([&] {
+  testing::BoundedThread sender("the sender", [&] {
     for (std::uint64_t i = 1; i <= kUpdates; ++i) stream.Update(i, Moved(static_cast<double>(i)));
     stream.HalfClose();
   });
@@ -123,7 +123,7 @@ TEST_F(StreamTest, EveryAnswersEachInOrder) {
   }
   EXPECT_FALSE(stream.Read().has_value());
   EXPECT_TRUE(stream.Finish().ok());
-  sender.join();
+  sender.Join();
 }
 
 TEST_F(StreamTest, HalfCloseAnswersWhatIsPending) {

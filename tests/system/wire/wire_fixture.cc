@@ -8,6 +8,8 @@
 #include <grpcpp/generic/generic_stub.h>
 #include <spdlog/spdlog.h>
 
+#include "tests/support/bounded.h"
+
 namespace arap::wire {
 
 WireError Decode(const google::rpc::Status& status) {
@@ -80,6 +82,7 @@ std::string Health(const std::string& address, const std::string& service) {
   grpc::ByteBuffer received;
   grpc::Status status;
   grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + testing::kLongest);
   grpc::CompletionQueue queue;
   const auto call = stub.PrepareUnaryCall(&context, "/grpc.health.v1.Health/Check", sent, &queue);
   call->StartCall();
@@ -100,9 +103,11 @@ PoolGate::PoolGate(runtime::WorkerPool& pool) {
     auto is_started = started->get_future();
     EXPECT_TRUE(pool.TryPost([open, started] {
       started->set_value();
-      open.wait();
+      EXPECT_EQ(open.wait_for(testing::kLongest), std::future_status::ready)
+          << "nobody opens the gate";
     }));
-    is_started.wait();
+    EXPECT_EQ(is_started.wait_for(testing::kLongest), std::future_status::ready)
+        << "no thread of the pool is free";
   }
 }
 
