@@ -25,34 +25,35 @@ struct Box {
   }
 };
 
-// A tree of bounding boxes over segments: which may cross which. Built in O(n log n).
-class SegmentTree {
+// A tree over boxes: which meet which. Built in O(n log n).
+class BoxTree {
  public:
-  explicit SegmentTree(std::span<const Segment> segments);
+  explicit BoxTree(std::vector<Box> boxes);
 
-  // Calls visit(other) for the segments of index above `index` whose boxes meet that of segment
-  // `index`, in no order to rely on.
+  // Calls visit(k) for the boxes of index `first` and above that meet `box`, in no order to rely
+  // on.
   template <class Visit>
-  void VisitAfter(std::uint32_t index, Visit visit) const {
+  void VisitFrom(std::uint32_t first, const Box& box, Visit visit) const {
     if (nodes_.empty()) return;
-    const Box& box = boxes_[index];
     std::uint32_t stack[64];  // halving keeps the tree far shallower than this
     std::size_t depth = 0;
     stack[depth++] = 0;
     while (depth > 0) {
       const std::uint32_t at = stack[--depth];
       const Node& node = nodes_[at];
-      if (node.last <= index || !node.box.Meets(box)) continue;
+      if (node.last < first || !node.box.Meets(box)) continue;
       if (node.right != 0) {
         stack[depth++] = node.right;
         stack[depth++] = at + 1;
         continue;
       }
       for (std::uint32_t k = node.begin; k < node.end; ++k) {
-        if (items_[k] > index && boxes_[items_[k]].Meets(box)) visit(items_[k]);
+        if (items_[k] >= first && boxes_[items_[k]].Meets(box)) visit(items_[k]);
       }
     }
   }
+
+  const Box& box(std::uint32_t index) const { return boxes_[index]; }
 
  private:
   // Over items_[begin, end); the children of node i are i + 1 and `right`, none when right is 0.
@@ -64,12 +65,13 @@ class SegmentTree {
   };
   std::uint32_t Build(std::uint32_t begin, std::uint32_t end);
 
-  std::vector<Box> boxes_;            // by segment
-  std::vector<std::uint32_t> items_;  // segment indices, node by node
+  std::vector<Box> boxes_;
+  std::vector<std::uint32_t> items_;  // indices of boxes, node by node
   std::vector<Node> nodes_;
 };
 
 constexpr std::uint32_t kLeafSize = 4;
+constexpr std::uint32_t kShortArc = 8;
 
 Box Box::Of(const Segment& s) {
   return {{std::min(s.from.real(), s.to.real()), std::min(s.from.imag(), s.to.imag())},
@@ -81,14 +83,12 @@ void Box::Include(const Box& other) {
   high = {std::max(high.real(), other.high.real()), std::max(high.imag(), other.high.imag())};
 }
 
-SegmentTree::SegmentTree(std::span<const Segment> segments) : items_(segments.size()) {
-  boxes_.reserve(segments.size());
-  for (const Segment& s : segments) boxes_.push_back(Box::Of(s));
+BoxTree::BoxTree(std::vector<Box> boxes) : boxes_(std::move(boxes)), items_(boxes_.size()) {
   std::iota(items_.begin(), items_.end(), 0u);
   if (!items_.empty()) Build(0, static_cast<std::uint32_t>(items_.size()));
 }
 
-std::uint32_t SegmentTree::Build(std::uint32_t begin, std::uint32_t end) {
+std::uint32_t BoxTree::Build(std::uint32_t begin, std::uint32_t end) {
   const auto index = static_cast<std::uint32_t>(nodes_.size());
   Node node{boxes_[items_[begin]], begin, end, 0, 0};
   for (std::uint32_t k = begin; k < end; ++k) {
@@ -120,8 +120,8 @@ struct Outline {
   std::uint32_t loop;  // its index in the input
   std::uint32_t chart;
   std::uint32_t begin, end;  // segments
-  Box box;
-  bool hole;  // runs clockwise
+  std::uint32_t arc;         // the whole of it, among the arcs
+  bool hole;                 // runs clockwise
 };
 
 // Which side of the segment p is on: positive on its left.
@@ -158,16 +158,12 @@ class Boundary {
            ends_[a][1] == ends_[b][1];
   }
 
-  // How often an outline goes round a point, counter-clockwise.
+  const Box& box(const Outline& outline) const { return arcs_[outline.arc].box; }
+
+  // How often an outline goes round a point, counter-clockwise. O(log n) but for arcs whose
+  // bounding boxes hold the point.
   int Winding(const Outline& outline, Complex p) const {
-    int winding = 0;
-    for (std::uint32_t k = outline.begin; k < outline.end; ++k) {
-      const Segment& s = segments_[k];
-      const bool from = s.from.imag() <= p.imag(), to = s.to.imag() <= p.imag();
-      if (from && !to && SideOf(s, p) > 0) ++winding;
-      if (!from && to && SideOf(s, p) < 0) --winding;
-    }
-    return winding;
+    return Crossings(outline.arc, outline.begin, outline.end, p);
   }
 
  private:
@@ -201,37 +197,105 @@ class Boundary {
       area += Cross(at - uv[v[0]], after - uv[v[0]]);
     }
     const auto begin = static_cast<std::uint32_t>(segments_.size());
-    Outline outline{index, loop.component, begin, begin, {drawn[0], drawn[0]}, area < 0};
     for (std::size_t k = 0; k < n; ++k) {
       segments_.push_back({drawn[k], drawn[(k + 1) % n]});
       ends_.push_back({v[k], v[(k + 1) % n]});
-      outline.box.Include(Box::Of(segments_.back()));
     }
-    outline.end = static_cast<std::uint32_t>(segments_.size());
-    outlines_.push_back(outline);
+    const auto end = static_cast<std::uint32_t>(segments_.size());
+    outlines_.push_back({index, loop.component, begin, end, AddArc(begin, end), area < 0});
+  }
+
+  // Segments [begin, end) of one outline and a box around them. A long arc has its first half at the
+  // next place and its second half at `second`.
+  struct Arc {
+    Box box;
+    std::uint32_t second = 0;
+  };
+
+  static std::uint32_t Half(std::uint32_t begin, std::uint32_t end) {
+    return begin + (end - begin) / 2;
+  }
+
+  std::uint32_t AddArc(std::uint32_t begin, std::uint32_t end) {
+    const auto at = static_cast<std::uint32_t>(arcs_.size());
+    arcs_.push_back({Box::Of(segments_[begin]), 0});
+    if (end - begin <= kShortArc) {
+      for (std::uint32_t k = begin; k < end; ++k) arcs_[at].box.Include(Box::Of(segments_[k]));
+      return at;
+    }
+    AddArc(begin, Half(begin, end));
+    const std::uint32_t second = AddArc(Half(begin, end), end);
+    arcs_[at].second = second;
+    arcs_[at].box.Include(arcs_[at + 1].box);
+    arcs_[at].box.Include(arcs_[second].box);
+    return at;
+  }
+
+  // How often the segments [begin, end), which are an arc, cross the ray from p to the right: those
+  // that go up less those that go down. An arc that lies right of p as a whole crosses as the
+  // straight way between its ends does.
+  int Crossings(std::uint32_t arc, std::uint32_t begin, std::uint32_t end, Complex p) const {
+    const auto below = [p](Complex z) { return z.imag() <= p.imag(); };
+    const Box& box = arcs_[arc].box;
+    if (!below(box.low) || below(box.high) || box.high.real() < p.real()) return 0;
+    if (box.low.real() > p.real()) {
+      return int{below(segments_[begin].from)} - int{below(segments_[end - 1].to)};
+    }
+    if (arcs_[arc].second != 0) {
+      return Crossings(arc + 1, begin, Half(begin, end), p) +
+             Crossings(arcs_[arc].second, Half(begin, end), end, p);
+    }
+    int crossings = 0;
+    for (std::uint32_t k = begin; k < end; ++k) {
+      const Segment& s = segments_[k];
+      if (below(s.from) && !below(s.to) && SideOf(s, p) > 0) ++crossings;
+      if (!below(s.from) && below(s.to) && SideOf(s, p) < 0) --crossings;
+    }
+    return crossings;
   }
 
   std::size_t points_ = 0;
   std::vector<Segment> segments_;
   std::vector<std::array<std::uint32_t, 2>> ends_;  // vertices, by segment
+  std::vector<Arc> arcs_;
   std::vector<Outline> outlines_;
 };
 
-// How often `cancel` is asked.
-constexpr std::uint32_t kAskEvery = 256;
+// Asks the caller once in so many visits of a box.
+class Asker {
+ public:
+  explicit Asker(const CancelToken& cancel) : cancel_(cancel) {}
+
+  Status Visited(std::size_t boxes) {
+    visited_ += 1 + boxes;
+    if (visited_ < kAskEvery) return {};
+    visited_ = 0;
+    return cancel_.Check();
+  }
+
+ private:
+  static constexpr std::size_t kAskEvery = 1 << 14;
+
+  const CancelToken& cancel_;
+  std::size_t visited_ = 0;
+};
 
 Status CountCrossings(const Boundary& boundary, const CancelToken& cancel, Overlap& overlap) {
   const std::vector<Segment>& segments = boundary.segments();
-  const SegmentTree tree(segments);
+  std::vector<Box> boxes;
+  boxes.reserve(segments.size());
+  for (const Segment& s : segments) boxes.push_back(Box::Of(s));
+  const BoxTree tree(std::move(boxes));
+  Asker asker(cancel);
   std::vector<std::uint32_t> crossed;
   for (std::uint32_t a = 0; a < segments.size() && overlap.crossings < kMaxCrossings; ++a) {
-    if (a % kAskEvery == 0) {
-      CHECK_OK(cancel.Check());
-    }
     crossed.clear();
-    tree.VisitAfter(a, [&](std::uint32_t b) {
+    std::size_t met = 0;
+    tree.VisitFrom(a + 1, tree.box(a), [&](std::uint32_t b) {
+      ++met;
       if (SegmentsCross(segments[a], segments[b]) && !boundary.Adjacent(a, b)) crossed.push_back(b);
     });
+    CHECK_OK(asker.Visited(met));
     if (crossed.empty()) continue;
     if (overlap.crossings == 0) {
       const auto& first = boundary.ends(a);
@@ -247,23 +311,29 @@ Status CountCrossings(const Boundary& boundary, const CancelToken& cancel, Overl
 // every other chart, and for those of its own chart 0 for an outline and 1 for a hole. (Loops that
 // cross are known to overlap already.)
 Status CountMisplaced(const Boundary& boundary, const CancelToken& cancel, Overlap& overlap) {
+  std::vector<Box> boxes;
+  boxes.reserve(boundary.outlines().size());
+  for (const Outline& loop : boundary.outlines()) boxes.push_back(boundary.box(loop));
+  const BoxTree tree(std::move(boxes));
+  Asker asker(cancel);
+  std::vector<std::pair<std::uint32_t, int>> charts;
   for (const Outline& loop : boundary.outlines()) {
-    if (loop.loop % kAskEvery == 0) {
-      CHECK_OK(cancel.Check());
-    }
     const Complex point = boundary.segments()[loop.begin].from;
-    const Box box{point, point};
     int own = 0;
-    std::vector<std::pair<std::uint32_t, int>> charts;
-    for (const Outline& other : boundary.outlines()) {
-      if (other.loop == loop.loop || !other.box.Meets(box)) continue;
+    std::size_t met = 0;
+    charts.clear();
+    tree.VisitFrom(0, {point, point}, [&](std::uint32_t index) {
+      const Outline& other = boundary.outlines()[index];
+      ++met;
+      if (other.loop == loop.loop) return;
       const int winding = boundary.Winding(other, point);
       if (other.chart == loop.chart) {
         own += winding;
       } else if (winding != 0) {
         charts.emplace_back(other.chart, winding);
       }
-    }
+    });
+    CHECK_OK(asker.Visited(met));
     bool misplaced = own != (loop.hole ? 1 : 0);
     std::sort(charts.begin(), charts.end());
     for (std::size_t k = 0; k < charts.size();) {

@@ -43,9 +43,9 @@ struct Overlap {
 };
 
 // Loops have the surface on the left: outlines run counter-clockwise, holes clockwise; their
-// component is the chart. `uv` must be finite. Loops of fewer than three vertices are left out. O(n
-// log n + pairs of segments whose bounding boxes meet) for n boundary segments, and O(loops · n) at
-// worst for loops whose bounding boxes lie in one another. Deterministic, thread-safe.
+// component is the chart. `uv` must be finite. Loops of fewer than three vertices are left out. For n
+// boundary segments O(n log n), and what pairs of segments and of loops have bounding boxes that
+// meet. Faults: what `cancel` answers on the way. Deterministic, thread-safe.
 Result<Overlap> FindOverlap(std::span<const Complex> uv, std::span<const BoundaryLoop> loops,
                             const CancelToken& cancel = {});
 

@@ -216,6 +216,72 @@ TEST(OverlapTest, CountsAsComparingAllPairsDoes) {
   }
 }
 
+// How often a closed line goes round a point, every segment looked at.
+int WindingOfAllSegments(const std::vector<Complex>& line, Complex p) {
+  int winding = 0;
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    const Complex from = line[k], to = line[(k + 1) % line.size()];
+    const bool up = from.imag() <= p.imag(), down = to.imag() <= p.imag();
+    if (up && !down && Turn(from, to, p) > 0) ++winding;
+    if (!up && down && Turn(from, to, p) < 0) --winding;
+  }
+  return winding;
+}
+
+TEST(OverlapTest, FindsWhatIsInsideAsLookingAtAllSegmentsDoes) {
+  Random random(5);
+  std::vector<Complex> comb{{0, 0}, {101, 0}};
+  for (int tooth = 100; tooth >= 0; --tooth) {
+    comb.insert(comb.end(), {{tooth + 0.6, 5}, {tooth + 0.3, random.Uniform(0.5, 4)}});
+  }
+  std::vector<Complex> star;
+  for (int k = 0; k < 3000; ++k) {
+    star.push_back(std::polar(random.Uniform(1, 5), 2 * kPi / 3000 * k) + Complex(50, 2));
+  }
+  for (const auto& outline : {comb, star}) {
+    Layout layout;
+    layout.AddLoop(0, outline);
+    std::size_t inside = 0;
+    for (std::uint32_t chart = 1; chart <= 400; ++chart) {
+      const Complex at(random.Uniform(40, 60), random.Uniform(-3, 7));
+      layout.AddLoop(chart, Rectangle(at.real(), at.imag(), 1e-4, 1e-4));
+      if (WindingOfAllSegments(outline, at) != 0) ++inside;
+    }
+    EXPECT_GT(inside, 50u);
+    EXPECT_LT(inside, 350u);
+    EXPECT_EQ(layout.Find().misplaced_loops, inside);
+  }
+}
+
+// The caller is asked once in a fixed number of comparisons, so that its answers count the work.
+TEST(OverlapTest, ManyChartsSideBySideAreNotComparedWithEachOther) {
+  Layout layout;
+  for (std::uint32_t chart = 0; chart < 40'000; ++chart) {
+    layout.AddLoop(chart, Rectangle(2 * (chart % 200), 2 * (chart / 200), 1, 1));
+  }
+  std::size_t asked = 0;
+  const auto overlap = FindOverlap(layout.uv, layout.loops, CancelToken([&asked]() -> Status {
+                                     ++asked;
+                                     return {};
+                                   }));
+  ASSERT_TRUE(overlap);
+  EXPECT_FALSE(overlap->any());
+  EXPECT_GT(asked, 0u);
+  EXPECT_LT(asked, 100u);
+}
+
+TEST(OverlapTest, StopsWhenTheCallerGivesUp) {
+  Layout layout;
+  for (std::uint32_t chart = 0; chart < 20'000; ++chart) {
+    layout.AddLoop(chart, Rectangle(2 * chart, 0, 1, 1));
+  }
+  const auto overlap = FindOverlap(layout.uv, layout.loops, CancelToken([]() -> Status {
+                                     return Fail(FaultKind::kCancelled, "The caller gave up.");
+                                   }));
+  ASSERT_FALSE(overlap);
+  EXPECT_EQ(overlap.error().kind, FaultKind::kCancelled);
+}
+
 TEST(OverlapTest, StopsCountingAtItsLimit) {
   Random random(12);
   std::vector<Complex> points;
