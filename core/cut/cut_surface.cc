@@ -68,6 +68,7 @@ Result<std::vector<std::uint32_t>> CutToDisks(std::span<const Point3> input_vert
   CutShortener shortener(field, cancel);
   for (const Piece& piece : pieces) {
     if (piece.disk()) continue;
+    CHECK_OK(cancel.Check());
     field.Measure(piece);
     TRY(const auto ends, graph.Draw(piece));
     CHECK_OK(shortener.Shorten(piece, ends));

@@ -114,6 +114,7 @@ void Assembly::Measure() {
 Status Assembly::FindOverlaps(const CancelToken& cancel) {
   std::vector<BoundaryLoop> all;
   for (std::size_t c = 0; c < flat_.charts.size(); ++c) {
+    CHECK_OK(cancel.Check());
     std::vector<BoundaryLoop> own;
     for (const auto& loop : flat_.charts[c].loops) {
       own.push_back({static_cast<std::uint32_t>(c), 0, loop});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/try.h"
 #include "core/cut/pieces.h"
 #include "core/flatten/distortion.h"
 #include "core/mesh/space.h"
@@ -62,7 +63,7 @@ Result<CellSystem> Chart::Cells(const EnergyOptions& options,
   return BuildCells(mesh.triangles, topology, options, frame, false, left_out);
 }
 
-std::vector<Chart> MakeCharts(const CutSurface& surface) {
+Result<std::vector<Chart>> MakeCharts(const CutSurface& surface, const CancelToken& cancel) {
   // Components by their lowest triangle.
   std::vector<std::uint32_t> chart_of(surface.topology.components, kNone);
   std::vector<Chart> charts;
@@ -86,6 +87,7 @@ std::vector<Chart> MakeCharts(const CutSurface& surface) {
     chart.mesh.vertices.push_back(surface.mesh.vertices[v]);
   }
   for (Chart& chart : charts) {
+    CHECK_OK(cancel.Check());
     chart.mesh.triangles.reserve(chart.triangles.size());
     for (const std::uint32_t t : chart.triangles) {
       const Triangle& c = surface.mesh.triangles[t];

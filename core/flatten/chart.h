@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "arap/base/cancel.h"
+#include "arap/base/result.h"
 #include "arap/model/mesh.h"
 #include "core/cut/cut_surface.h"
 #include "core/energy/cells.h"
@@ -30,7 +32,8 @@ struct Chart {
                            const std::vector<std::array<Complex, 3>>& flat) const;
 };
 
-// The charts of a surface, by their lowest triangle. O(#F log #F).
-std::vector<Chart> MakeCharts(const CutSurface& surface);
+// The charts of a surface, by their lowest triangle. O(#F log #F). Faults: what `cancel` answers
+// between charts.
+Result<std::vector<Chart>> MakeCharts(const CutSurface& surface, const CancelToken& cancel = {});
 
 }  // namespace arap

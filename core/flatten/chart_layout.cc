@@ -134,7 +134,7 @@ class LayoutSteps {
   Result<bool> PinnedStep() {
     const auto ground = Anchors();
     const auto system = factors_.Holding(cells_, {{{ground[0], 0, 0}, {ground[1], 0, 0}}});
-    if (!system) return false;
+    if (!system || (*system)->lifted()) return false;
     TRY(auto first, PinnedFirstStep(**system, ground, cells_, held_, n(), cancel_));
     if (!first) return false;
     SetFirstStep(*std::move(first));

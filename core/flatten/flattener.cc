@@ -23,7 +23,8 @@ namespace arap {
 // What a PreparedSurface keeps.
 struct PreparedSurfaceParts {
   // At most `kept_factors` factors of each step and chart.
-  PreparedSurfaceParts(CutSurface cut, std::size_t vertices, std::size_t kept_factors);
+  PreparedSurfaceParts(CutSurface cut, std::size_t vertices, std::vector<Chart> made,
+                       std::size_t kept_factors);
 
   CutSurface surface;  // without positions and topology: the charts have them
   std::size_t input_vertices;
@@ -101,6 +102,34 @@ EnergyOptions EnergyOf(const Chart& chart, const EnergyOptions& energy) {
   return own;
 }
 
+// Triangles this much longer than high, which are accepted, can be too thin for some methods.
+constexpr double kThin = 1e3;
+
+// A chart that doubles could not lay flat: the fault of its thinnest triangle, where that is thin.
+Fault Explained(Fault fault, const Chart& chart) {
+  if (fault.kind != FaultKind::kNumerical) return fault;
+  double most = 0;
+  std::size_t thinnest = 0;
+  for (std::size_t t = 0; t < chart.frames.size(); ++t) {
+    if (!chart.left_out.empty() && chart.left_out[t]) continue;
+    const auto& p = chart.frames[t];
+    const double longest =
+        std::max({std::norm(p[1] - p[0]), std::norm(p[2] - p[1]), std::norm(p[2] - p[0])});
+    const double aspect = longest / (p[1].real() * p[2].imag());
+    if (aspect > most) most = aspect, thinnest = t;
+  }
+  if (!(most > kThin)) return fault;
+  return Fault(FaultKind::kDegenerateTriangle,
+               fmt::format(
+                   "Triangle {} is {:.0e} times as long as high: too thin for its chart to be "
+                   "laid flat in double precision.",
+                   chart.triangles[thinnest], most))
+      .Field("mesh.triangles")
+      .Element(chart.triangles[thinnest])
+      .Detail("aspect", most)
+      .Detail("cause", fault.message);
+}
+
 // Flattens what is cut already; the times have no share for cutting it.
 Result<Flattening> FlattenPrepared(const PreparedSurfaceParts& surface,
                                    const FlattenOptions& options, const CancelToken& cancel,
@@ -113,9 +142,10 @@ Result<Flattening> FlattenPrepared(const PreparedSurfaceParts& surface,
   for (std::size_t c = 0; c < surface.charts.size(); ++c) {
     CHECK_OK(cancel.Check());
     const Chart& chart = surface.charts[c];
-    TRY(auto layout, LayOutChart(chart, options, EnergyOf(chart, options.energy), solver, wishes[c],
-                                 fmt::to_string(c), surface.factors, cancel));
-    assembly.Add(chart, std::move(layout));
+    auto layout = LayOutChart(chart, options, EnergyOf(chart, options.energy), solver, wishes[c],
+                              fmt::to_string(c), surface.factors, cancel);
+    if (!layout) return Fail(Explained(std::move(layout).error(), chart));
+    assembly.Add(chart, *std::move(layout));
   }
   TRY(auto flat, assembly.Finish(wishes, options.injective, cancel));
   flat.times.solve = timer.Lap() - flat.times.order - flat.times.factor;
@@ -152,10 +182,10 @@ Status CheckFlattenOptions(const FlattenOptions& options, std::size_t triangles)
 }
 
 PreparedSurfaceParts::PreparedSurfaceParts(CutSurface cut, std::size_t vertices,
-                                           std::size_t kept_factors)
+                                           std::vector<Chart> made, std::size_t kept_factors)
     : surface(std::move(cut)),
       input_vertices(vertices),
-      charts(MakeCharts(surface)),
+      charts(std::move(made)),
       factors(std::min(kMaxKeptFactors, kept_factors * charts.size())) {
   surface.topology = {};
   surface.mesh.vertices = {};
@@ -183,8 +213,9 @@ Result<std::shared_ptr<const PreparedSurface>> Prepare(SurfaceMesh mesh, const C
                                                        const CancelToken& cancel) {
   const std::size_t vertices = mesh.vertices.size();
   TRY(auto surface, CutToCharts(std::move(mesh), cut, limits, cancel));
-  return std::make_shared<const PreparedSurface>(
-      std::make_unique<const PreparedSurfaceParts>(std::move(surface), vertices, kKeptFactors));
+  TRY(auto charts, MakeCharts(surface, cancel));
+  return std::make_shared<const PreparedSurface>(std::make_unique<const PreparedSurfaceParts>(
+      std::move(surface), vertices, std::move(charts), kKeptFactors));
 }
 
 Result<Flattening> Flatten(const PreparedSurface& surface, const FlattenOptions& options,
@@ -198,8 +229,9 @@ Result<Flattening> Flatten(SurfaceMesh mesh, const FlattenOptions& options,
   CpuTimer timer;
   const std::size_t vertices = mesh.vertices.size();
   TRY(auto surface, CutToCharts(std::move(mesh), options.cut, limits, cancel));
+  TRY(auto charts, MakeCharts(surface, cancel));
   // This surface is not flattened again: no factor is kept.
-  const PreparedSurfaceParts prepared(std::move(surface), vertices, 0);
+  const PreparedSurfaceParts prepared(std::move(surface), vertices, std::move(charts), 0);
   const double topology = timer.Lap();
   TRY(auto flat, FlattenPrepared(prepared, options, cancel, solver));
   flat.times.topology = topology;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <complex>
 #include <memory>
 #include <span>
 #include <utility>
@@ -47,7 +49,15 @@ class GroundedSystem {
       }
     }
     grounded.finalize();
-    TRY(system.factor_, Factor<Scalar>::Make(grounded, layout, *order));
+    auto factor = Factor<Scalar>::Make(grounded, layout, *order);
+    for (double lift = kFirstLift;
+         !factor && factor.error().kind == FaultKind::kNumerical && lift <= kLastLift;
+         lift *= kMoreLift) {
+      system.Lift(lift, fixed, grounded);
+      factor = Factor<Scalar>::Make(grounded, layout, *order);
+    }
+    if (!factor) return Fail(std::move(factor).error());
+    system.factor_ = *std::move(factor);
     system.fixed_ = std::move(fixed);
     system.order_ = order;
     return system;
@@ -69,24 +79,57 @@ class GroundedSystem {
       return Fail(FaultKind::kNumerical, "A back-substitution ran out of memory.");
     }
     std::copy(solution.begin(), solution.end(), x.begin());
+    if (lifted_.empty()) return {};
+    // (M + L) x ← f + L x rests where M x = f.
+    std::vector<Scalar> again(right.size());
+    for (int step = 0; step < kLiftSteps; ++step) {
+      for (std::size_t i = 0; i < right.size(); ++i) again[i] = right[i] + lifted_[i % n] * x[i];
+      const auto better = factor_->Solve(again, columns, workspace);
+      if (better.empty()) {
+        return Fail(FaultKind::kNumerical, "A back-substitution ran out of memory.");
+      }
+      std::copy(better.begin(), better.end(), x.begin());
+    }
     return {};
   }
 
+  // Whether the matrix was not definite in doubles, as very thin triangles make it.
+  bool lifted() const { return !lifted_.empty(); }
   const Factor<Scalar>& factor() const { return *factor_; }
   const Order& order() const { return order_; }
   // By how much the diagonal was raised before factoring, if it was.
   double raised() const { return raised_; }
   void set_raised(double raised) { raised_ = raised; }
   std::size_t bytes() const {
-    return factor_->bytes() + couplings_.capacity() * sizeof(Coupling) + fixed_.size() / 8;
+    return factor_->bytes() + couplings_.capacity() * sizeof(Coupling) + fixed_.size() / 8 +
+           lifted_.capacity() * sizeof(double);
   }
 
  private:
+  // Rounding leaves the matrices of very thin triangles with eigenvalues below 0. Free vertices are
+  // held back a little then, by these parts of their own diagonal, and let go again step by step
+  // when solving.
+  static constexpr double kFirstLift = 1e-13, kMoreLift = 1e2, kLastLift = 1e-5;
+  static constexpr int kLiftSteps = 8;
+
+  void Lift(double part, const std::vector<bool>& fixed, Eigen::SparseMatrix<Scalar>& matrix) {
+    lifted_.resize(fixed.size(), 0);
+    for (std::size_t v = 0; v < fixed.size(); ++v) {
+      if (fixed[v]) continue;
+      Scalar& diagonal =
+          matrix.coeffRef(static_cast<Eigen::Index>(v), static_cast<Eigen::Index>(v));
+      const double own = std::abs(std::real(diagonal) - lifted_[v]);
+      diagonal += part * own - lifted_[v];
+      lifted_[v] = part * own;
+    }
+  }
+
   struct Coupling {
     std::size_t free, held;
     Scalar value;
   };
   double raised_ = 0;
+  std::vector<double> lifted_;  // #n, or empty when the matrix is definite
   std::vector<bool> fixed_;
   std::vector<Coupling> couplings_;
   Order order_;

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -184,13 +186,20 @@ class Finder {
                       .Element(line.to));
     };
     if (line.from == line.to) return wrong("A grain line needs two vertices.");
-    bool shared = false;
+    // By chart, from the end with fewer places; what an earlier line with these ends passed over is
+    // passed over again.
+    auto [one, other] = std::minmax({line.from, line.to});
+    std::size_t& next = next_place_[{one, other}];
+    if (PlacesOf(other).size() < PlacesOf(one).size()) std::swap(one, other);
+    const auto places = PlacesOf(one);
+    bool shared = next > 0;
     std::uint32_t last = kNone;
-    for (const Place& at : PlacesOf(line.from)) {
+    for (; next < places.size(); ++next) {
+      const Place& at = places[next];
       CHECK_OK(Ask());
       if (at.chart == last) continue;
       last = at.chart;
-      if (PlacesOf(line.to, last).empty()) continue;
+      if (PlacesOf(other, last).empty()) continue;
       shared = true;
       Wishes& wishes = wishes_[last];
       if (wishes.grain || wishes.pinned()) continue;
@@ -237,6 +246,8 @@ class Finder {
   std::size_t steps_ = 0;
   std::vector<Wishes> wishes_;
   std::vector<Place> places_;
+  // By the ends of grain lines, the lower first: before it all places were passed over.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> next_place_;
 };
 
 }  // namespace

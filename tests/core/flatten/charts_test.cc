@@ -1,5 +1,6 @@
 // Surfaces of several charts, cut, closed or with triangles that have no area.
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -145,6 +146,67 @@ TEST(ChartsTest, FarBoundaryVerticesAreTwo) {
   ASSERT_EQ(flat.charts[0].anchors.size(), 2u);
   EXPECT_NE(flat.charts[0].anchors[0], flat.charts[0].anchors[1]);
   EXPECT_GT(flat.distortion.area_ratio, 0.01);
+}
+
+// A sheet of 6 × 6 cells, one of whose triangles has its tip moved almost onto the longest edge.
+SurfaceMesh SheetWithNeedle(double aspect) {
+  SurfaceMesh mesh;
+  const auto id = [](std::uint32_t i, std::uint32_t j) { return 7 * i + j; };
+  for (std::uint32_t i = 0; i <= 6; ++i) {
+    for (std::uint32_t j = 0; j <= 6; ++j) {
+      mesh.vertices.push_back({i / 6.0, j / 6.0, 0.1 * std::sin(1.0 * i) * std::cos(1.3 * j)});
+    }
+  }
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    for (std::uint32_t j = 0; j < 6; ++j) {
+      mesh.triangles.push_back({id(i, j), id(i + 1, j), id(i + 1, j + 1)});
+      mesh.triangles.push_back({id(i, j), id(i + 1, j + 1), id(i, j + 1)});
+    }
+  }
+  const Eigen::Vector3d a = Vec(mesh.vertices[id(2, 2)]), b = Vec(mesh.vertices[id(3, 3)]);
+  const Eigen::Vector3d middle = 0.5 * (a + b), tip = Vec(mesh.vertices[id(3, 2)]) - middle;
+  mesh.vertices[id(3, 2)] = ToPoint3(middle + (b - a).norm() / aspect * tip.normalized());
+  return mesh;
+}
+
+const std::vector<std::pair<const char*, FlattenOptions>> kPresets{
+    {"ARAP", ArapOptions()},
+    {"ARAP, EDGE cells", ArapOptions(Basis::kEdge)},
+    {"first step", FirstStepOptions()},
+    {"LSCM", LscmOptions()},
+    {"ABF", AbfOptions()}};
+
+// Without anchors an aspect of a million is too much.
+TEST(ThinTrianglesTest, AreLaidFlat) {
+  for (const double aspect : {1e3, 1e4, 1e5, 1e6}) {
+    const SurfaceMesh mesh = SheetWithNeedle(aspect);
+    for (const auto& [name, options] : kPresets) {
+      if (aspect > 1e5 && options.anchors == FlattenAnchors::kSpectral) continue;
+      const auto flat = Flatten(mesh, options);
+      ASSERT_TRUE(flat) << name << ", " << aspect << ": " << flat.error().message;
+      CheckSound(mesh, *flat);
+    }
+  }
+}
+
+TEST(ThinTrianglesTest, AreNamedWhereTheyCannotBeLaidFlat) {
+  constexpr std::uint32_t kNeedle = 2 * (6 * 2 + 2);
+  for (const double aspect : {1e6, 1e7, 1e8, 5e8}) {
+    const SurfaceMesh needle = SheetWithNeedle(aspect);
+    const SurfaceMesh alone{{{0, 0, 0}, {1, 0, 0}, {0.3, 1 / aspect, 0}}, {{0, 1, 2}}};
+    for (const auto& [name, options] : kPresets) {
+      for (const auto& [mesh, thin] : {std::pair(needle, kNeedle), std::pair(alone, 0u)}) {
+        const auto flat = Flatten(mesh, options);
+        if (flat) {
+          CheckSound(mesh, *flat);
+          continue;
+        }
+        EXPECT_EQ(flat.error().kind, FaultKind::kDegenerateTriangle) << name << ", " << aspect;
+        EXPECT_EQ(flat.error().field, "mesh.triangles");
+        EXPECT_EQ(flat.error().elements, std::vector<std::uint32_t>{thin});
+      }
+    }
+  }
 }
 
 }  // namespace

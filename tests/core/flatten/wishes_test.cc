@@ -1,10 +1,14 @@
 // Pins and grain lines: where the caller wants the layout.
+#include "core/flatten/layout/wishes.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "core/cut/cut_surface.h"
+#include "core/flatten/chart.h"
 #include "tests/core/flatten/fixture.h"
 #include "tests/support/surfaces.h"
 
@@ -139,6 +143,31 @@ TEST(WishesTest, WrongOptionsAreNamedFirst) {
 }
 
 // Far pins would round the layout away; a wound vertex is no layout without flips.
+// The caller is asked once in a fixed number of steps, so that its answers count the work.
+TEST(WishesTest, ManyGrainLinesOnOneEdgeAreFoundInOnePass) {
+  constexpr std::uint32_t kPages = 3000;
+  SurfaceMesh book{{{0, 0, 0}, {0, 1, 0}}, {}};
+  FlattenOptions options;
+  options.cut.split_non_manifold = true;
+  for (std::uint32_t page = 0; page < kPages; ++page) {
+    book.vertices.push_back({std::cos(1e-3 * page), 0, std::sin(1e-3 * page)});
+    book.triangles.push_back({0, 1, page + 2});
+    options.grain_lines.push_back({page % 2, 1 - page % 2, 0.5});
+  }
+  const CutSurface cut = Must(CutToCharts(book, options.cut));
+  const std::vector<Chart> charts = Must(MakeCharts(cut));
+  std::size_t asked = 0;
+  const CancelToken cancel([&asked]() -> Status {
+    ++asked;
+    return {};
+  });
+  const auto wishes = Must(FindWishes(charts, cut.source, book.vertices.size(), options, cancel));
+  ASSERT_EQ(wishes.size(), kPages);
+  for (const Wishes& one : wishes) EXPECT_TRUE(one.grain);
+  EXPECT_GT(asked, 0u);
+  EXPECT_LT(asked, 20u);
+}
+
 TEST(WishesTest, FarPinsAreRefused) {
   const SurfaceMesh both = Together(SphereCap(3, 6, 1.0), SphereCap(3, 6, 1.0), {5, 0, 0});
   FlattenOptions options;
