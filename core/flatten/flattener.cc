@@ -144,7 +144,11 @@ Result<Flattening> FlattenPrepared(const PreparedSurfaceParts& surface,
     const Chart& chart = surface.charts[c];
     auto layout = LayOutChart(chart, options, EnergyOf(chart, options.energy), solver, wishes[c],
                               fmt::to_string(c), surface.factors, cancel);
-    if (!layout) return Fail(Explained(std::move(layout).error(), chart));
+    if (!layout) {
+      // Who demands one way of solving is told of it.
+      if (solver == PinSolver::kNullSpace) return Fail(std::move(layout).error());
+      return Fail(Explained(std::move(layout).error(), chart));
+    }
     assembly.Add(chart, *std::move(layout));
   }
   TRY(auto flat, assembly.Finish(wishes, options.injective, cancel));
