@@ -8,7 +8,6 @@
 #include "core/base/names.h"
 #include "core/base/try.h"
 #include "core/token/digest.h"
-#include "server/budget/estimate.h"
 #include "server/runtime/clock.h"
 
 namespace arap::app {
@@ -50,7 +49,9 @@ Result<FlatAnswer> PreparedSurfaces::Flatten(const Caller& caller, const std::st
                                              SurfaceMesh mesh, const FlattenOptions& options,
                                              const CancelToken& cancel) {
   const runtime::WallTimer working;
-  TRY(const auto room, derived_.Reserve(caller, FlatteningBytes(mesh.triangles.size())));
+  const FlattenCost cost =
+      EstimateFlatten(SizeOf(mesh, options.cut), options, !surface_key.empty());
+  TRY(const auto room, derived_.Reserve(caller, cost.bytes));
   FlatAnswer answer;
   if (surface_key.empty()) {
     TRY(answer.flat, arap::Flatten(std::move(mesh), options, limits_, cancel));

@@ -76,4 +76,30 @@ Result<std::shared_ptr<const PreparedSurface>> Prepare(SurfaceMesh mesh, const C
 Result<Flattening> Flatten(const PreparedSurface& surface, const FlattenOptions& options,
                            const CancelToken& cancel = {}, PinSolver solver = PinSolver::kAuto);
 
+// What the cost of flattening a surface depends on.
+struct SurfaceSize {
+  std::size_t vertices = 0, triangles = 0;
+  std::size_t charts = 1;   // before seams and automatic cuts
+  std::size_t largest = 0;  // vertices of the largest chart
+};
+
+// For a mesh of any kind, before it is validated; indices that name no vertex count for nothing.
+// Vertices where parts only touch hold a chart together unless `cut` splits them. O(#F α), with
+// split_non_manifold O(#F log #F).
+SurfaceSize SizeOf(const SurfaceMesh& mesh, const CutOptions& cut = {});
+
+// What a flattening will take, before it is begun.
+struct FlattenCost {
+  double milliseconds = 0;  // of processor time
+  std::size_t bytes = 0;    // at the peak, the surface and the answer included
+};
+
+// `keep`: the surface is prepared to be flattened again. Fitted to a grid of sizes
+// (docs/operations.md): within a factor of 2 of the time and of 1.3 of the memory for surfaces
+// numbered row by row. Two things are not known before: how often a descent refines, so that `refine`
+// is taken in full, and whether an injective layout has to be searched for, which is taken to be so,
+// with 20 Newton steps.
+FlattenCost EstimateFlatten(const SurfaceSize& size, const FlattenOptions& options,
+                            bool keep = false);
+
 }  // namespace arap
