@@ -14,6 +14,12 @@ using std::chrono::seconds;
 constexpr seconds kBlobAge{600};
 constexpr seconds kCollectEvery{60};
 
+// What has a place of its own in the lane: such work waits at most for one of its kind.
+constexpr double kShortFrameSeconds = 0.005;
+constexpr double kShortJobSeconds = 0.05;
+// Long jobs that may stand aside at once, with all the memory that they have asked for.
+constexpr std::size_t kJobsAside = 8;
+
 }  // namespace
 
 Engine::Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::Clock& the_clock,
@@ -22,18 +28,31 @@ Engine::Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::
       lanes(the_lanes),
       surfaces(derived, metrics, {limits.max_vertices, limits.max_triangles}),
       streams(limits.max_streams),
-      load(limits.max_stream_load, static_cast<double>(lanes.workers)),
+      admission(limits.max_stream_load, static_cast<double>(lanes.workers)),
       registrations("max_registrations", limits.max_registrations),
       compilations("max_compilations", limits.max_compilations),
       flattenings("max_flattenings", limits.max_flattenings),
-      interactive({"interactive", lanes.workers, limits.max_queued_jobs, &metrics}),
-      control({"control", lanes.control_workers, limits.max_queued_jobs, &metrics}),
-      jobs({"jobs", lanes.job_workers, limits.max_queued_jobs, &metrics, &interactive}),
+      interactive({.name = "interactive",
+                   .threads = lanes.workers,
+                   .queue = limits.max_queued_jobs,
+                   .metrics = &metrics,
+                   .short_seconds = kShortFrameSeconds}),
+      control({.name = "control",
+               .threads = lanes.control_workers,
+               .queue = limits.max_queued_jobs,
+               .metrics = &metrics,
+               .waits = true}),
+      jobs({.name = "jobs",
+            .threads = lanes.job_workers,
+            .queue = limits.max_queued_jobs,
+            .metrics = &metrics,
+            .gives_way_to = &interactive,
+            .short_seconds = kShortJobSeconds,
+            .aside = kJobsAside}),
       collected_(clock.SteadyNow()) {}
 
 Status Engine::Sweep() {
   streams.Sweep(clock.SteadyNow());
-  load.Look(interactive.stats().busy, clock.SteadyNow());
   derived.EvictIdle(limits.idle_evict);
   CHECK_OK(sessions.Sweep());
   const auto now = clock.SteadyNow();

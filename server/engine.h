@@ -25,11 +25,13 @@ struct Lanes {
 };
 
 // Thread-safe member by member. Three lanes, so that neither an upload nor a slow disk delays a
-// drag:
+// drag. Owners share each in equal parts of its time (runtime/fair_queue.h), and in the lanes that
+// compute a place is kept for what is short, beside the workers:
 //   interactive  frames and light edits; never waits for the store
 //   control      sessions and look-ups: what may wait for the store but computes nothing
-//   jobs         registration, compilation, edits, flattening, tracks, and what was evicted and has
-//                to be computed again; between their steps they give way to the interactive lane
+//   jobs         registration, compilation, edits, flattening, tracks, long frames, and what was
+//                evicted and has to be computed again; between their steps they give way to the
+//                interactive lane, and to one another in turn
 struct Engine : Workshop {
   // `clock` outlives the engine.
   Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::Clock& clock,
@@ -43,7 +45,7 @@ struct Engine : Workshop {
   const Lanes lanes;
   PreparedSurfaces surfaces;
   OpenStreams streams;
-  LoadGuard load;
+  Admission admission;
   Gate registrations;
   Gate compilations;
   Gate flattenings;

@@ -74,6 +74,23 @@ std::string Milliseconds(const google::protobuf::Duration& duration) {
 
 }  // namespace
 
+namespace {
+
+// When to try again; 0 for never.
+std::chrono::milliseconds RetryOf(const Fault& fault, const FaultInfo& known) {
+  if (known.retry.count() <= 0) return known.retry;
+  // Who made the fault may know better.
+  const std::string_view told = DetailOf(fault, kRetryDelayDetail);
+  std::chrono::milliseconds::rep delay = 0;
+  if (std::from_chars(told.data(), told.data() + told.size(), delay).ec == std::errc()) {
+    return std::chrono::milliseconds(delay);
+  }
+  // When the fault names a field the request itself is too large: trying again soon cannot help.
+  return fault.field.empty() ? known.retry : kLimitRetry;
+}
+
+}  // namespace
+
 google::rpc::Status ToRpcStatus(const Fault& fault) {
   const FaultInfo& known = InfoOf(fault.kind);
   google::rpc::Status status;
@@ -85,6 +102,7 @@ google::rpc::Status ToRpcStatus(const Fault& fault) {
   info.set_domain(kDomain);
   auto& metadata = *info.mutable_metadata();
   for (const auto& [name, value] : fault.details) {
+    if (name == kRetryDelayDetail) continue;
     if (metadata.size() < kMaxDetails) metadata[Clip(name, kMaxValue)] = Clip(value, kMaxValue);
   }
   if (!fault.elements.empty()) metadata["elements"] = Join(fault.elements);
@@ -97,9 +115,7 @@ google::rpc::Status ToRpcStatus(const Fault& fault) {
     violation.set_description(status.message());
     status.add_details()->PackFrom(bad_request);
   }
-  if (known.retry.count() > 0) {
-    // When the fault names a field the request itself is too large: trying again soon cannot help.
-    const auto delay = fault.field.empty() ? known.retry : kLimitRetry;
+  if (const auto delay = RetryOf(fault, known); delay.count() > 0) {
     google::rpc::RetryInfo retry;
     retry.mutable_retry_delay()->set_seconds(delay.count() / 1000);
     retry.mutable_retry_delay()->set_nanos(

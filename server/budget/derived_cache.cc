@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <string_view>
 #include <utility>
 
 #include "server/budget/faults.h"
@@ -38,6 +39,20 @@ void DerivedCache::Reservation::Release() {
   if (DerivedCache* cache = std::exchange(cache_, nullptr)) cache->GiveBack(owner_, bytes_);
 }
 
+void DerivedCache::Reservation::Shrink(std::size_t bytes) {
+  if (cache_ == nullptr || bytes >= bytes_) return;
+  cache_->GiveBack(owner_, bytes_ - bytes);
+  bytes_ = bytes;
+}
+
+DerivedCache::Reservation DerivedCache::Hold(const std::string& owner, std::size_t bytes) {
+  if (bytes == 0) return {};
+  const MutexLock lock(&mutex_);
+  reserved_ += bytes;
+  owner_bytes_[owner] += bytes;
+  return Reservation(this, owner, bytes);
+}
+
 void DerivedCache::GiveBack(const std::string& owner, std::size_t bytes) {
   const MutexLock lock(&mutex_);
   reserved_ -= bytes;
@@ -46,6 +61,7 @@ void DerivedCache::GiveBack(const std::string& owner, std::size_t bytes) {
 }
 
 Result<DerivedCache::Reservation> DerivedCache::Reserve(const Caller& caller, std::size_t bytes) {
+  if (bytes == 0) return Reservation();
   Garbage gone;
   const MutexLock lock(&mutex_);
   DropLeftLocked();
@@ -61,7 +77,8 @@ Result<DerivedCache::Reservation> DerivedCache::Reserve(const Caller& caller, st
     return used <= max_bytes_ && bytes <= max_bytes_ - used;
   };
   const auto refuse = [&](const char* quota, std::size_t limit) {
-    return Fail(QuotaFull(quota, limit).Detail("estimate", bytes));
+    Fault full = QuotaFull(quota, limit).Detail("estimate", bytes);
+    return Fail(bytes > limit ? ForEver(std::move(full)) : std::move(full));
   };
   // What could never fit must not push others out.
   if (bytes > most ||
@@ -69,8 +86,7 @@ Result<DerivedCache::Reservation> DerivedCache::Reserve(const Caller& caller, st
           owner_fits, [&](const Entry& e) { return e.key.owner == caller.owner; }, gone)) {
     return refuse("max_bytes_per_owner", most);
   }
-  if (bytes > max_bytes_ || !MakeRoomLocked(
-                                all_fit, [](const Entry&) { return true; }, gone)) {
+  if (bytes > max_bytes_ || !MakeRoomOfAllLocked(all_fit, gone)) {
     return refuse("max_bytes", max_bytes_);
   }
   reserved_ += bytes;
@@ -175,13 +191,34 @@ DerivedCache::Any DerivedCache::KeepAny(const DerivedKey& key, Any value, std::s
   if (capped) {
     // The cap counts places, so that one in use goes too.
     while (held.entries > surfaces_.entries || held.bytes > surfaces_.bytes) {
-      auto oldest = std::prev(entries_.end());
-      while (oldest->key.kind != key.kind) --oldest;
-      EvictLocked(oldest, gone);
+      EvictLocked(SurplusLocked(key.kind, held.bytes > surfaces_.bytes), gone);
     }
   }
   TrimLocked(gone);
   return value;
+}
+
+DerivedCache::Entries::iterator DerivedCache::SurplusLocked(DerivedKind kind, bool by_bytes) {
+  std::map<std::string_view, std::size_t> has;
+  for (const Entry& entry : entries_) {
+    if (entry.key.kind == kind) has[entry.key.owner] += by_bytes ? entry.bytes : 1;
+  }
+  const auto most = std::max_element(
+      has.begin(), has.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  auto oldest = std::prev(entries_.end());
+  while (oldest->key.kind != kind || oldest->key.owner != most->first) --oldest;
+  return oldest;
+}
+
+bool DerivedCache::MakeRoomOfAllLocked(const std::function<bool()>& enough, Garbage& gone) {
+  const auto more_than_a_part = [this](const Entry& entry) {
+    mutex_.AssertHeld();
+    const auto has = owner_bytes_.find(entry.key.owner);
+    return has != owner_bytes_.end() && has->second > max_bytes_ / owner_bytes_.size();
+  };
+  return MakeRoomLocked(enough, more_than_a_part, gone) ||
+         MakeRoomLocked(
+             enough, [](const Entry&) { return true; }, gone);
 }
 
 void DerivedCache::TrimLocked(Garbage& gone) {
@@ -189,8 +226,7 @@ void DerivedCache::TrimLocked(Garbage& gone) {
     mutex_.AssertHeld();
     return UsedLocked() <= max_bytes_;
   };
-  MakeRoomLocked(
-      fits, [](const Entry&) { return true; }, gone);
+  MakeRoomOfAllLocked(fits, gone);
 }
 
 void DerivedCache::Forget(const DerivedKey& key) {

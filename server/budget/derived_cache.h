@@ -34,7 +34,8 @@ struct DerivedKey {
 
 // Thread-safe. What somebody else still holds is in use: it counts, and it is not evicted, since
 // that would give no memory back. Evicting costs time only: whoever needs the thing computes it
-// again.
+// again. What was not used for longest goes first; for the sake of all owners together, of those
+// owners that have more than an equal part.
 class DerivedCache {
  public:
   // Of one kind, beside the budget of all.
@@ -61,6 +62,8 @@ class DerivedCache {
     Reservation& operator=(Reservation&& other) noexcept;
     ~Reservation() { Release(); }
     void Release();
+    // Gives back all but `bytes`, once what is needed is known.
+    void Shrink(std::size_t bytes);
 
    private:
     friend class DerivedCache;
@@ -70,9 +73,11 @@ class DerivedCache {
     std::string owner_;
     std::size_t bytes_ = 0;
   };
-  // Makes room for `bytes` of this owner, the least recently used first. kLimitExceeded with
-  // "max_bytes_per_owner" or "max_bytes" when what is in use leaves no room.
+  // Makes room for `bytes` of this owner. kLimitExceeded with "max_bytes_per_owner" or "max_bytes"
+  // when what is in use leaves no room.
   Result<Reservation> Reserve(const Caller& caller, std::size_t bytes);
+  // Counts `bytes` that are there already, whether or not there is room.
+  Reservation Hold(const std::string& owner, std::size_t bytes);
 
   // What is kept under the key, or null; counts as a use.
   template <class T>
@@ -139,6 +144,12 @@ class DerivedCache {
   std::size_t UsedLocked() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   std::size_t UsedLocked(const std::string& owner) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TrimLocked(Garbage& gone) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // The same for the sake of all owners.
+  bool MakeRoomOfAllLocked(const std::function<bool()>& enough, Garbage& gone)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // The entry of this kind that has to go when there are too many, or too many bytes, of it.
+  Entries::iterator SurplusLocked(DerivedKind kind, bool by_bytes)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void GiveBack(const std::string& owner, std::size_t bytes);
 
   const std::size_t max_bytes_;

@@ -1,6 +1,8 @@
 #include "server/budget/faults.h"
 
+#include <algorithm>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -41,5 +43,21 @@ Fault TooLarge(std::string_view what, std::string_view quota, std::size_t count,
 Fault Overloaded() {
   return Fault(FaultKind::kOverloaded, "All workers are busy and the queue is full.");
 }
+
+Fault OutOfMemory() {
+  return Fault(FaultKind::kLimitExceeded, "There is no memory for this on the machine just now.")
+      .Detail("quota", "memory");
+}
+
+Fault WithOutlook(Fault fault, std::size_t place, std::chrono::duration<double> wait) {
+  constexpr double kLeast = 50;
+  constexpr double kMost = 60'000;
+  const double millis = std::clamp(wait.count() * 1e3, kLeast, kMost);
+  return std::move(fault.Detail("place", place)
+                       .Detail("expected_wait_ms", fmt::format("{:.0f}", wait.count() * 1e3))
+                       .Detail(std::string(kRetryDelayDetail), fmt::format("{:.0f}", millis)));
+}
+
+Fault ForEver(Fault fault) { return std::move(fault.Detail(std::string(kRetryDelayDetail), "0")); }
 
 }  // namespace arap::app

@@ -1,41 +1,80 @@
 // Gate: how many jobs of one kind may be under way at once.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
-#include <memory>
+#include <map>
+#include <string>
+#include <utility>
 
 #include "arap/base/result.h"
+#include "core/base/mutex.h"
 #include "server/budget/faults.h"
 
 namespace arap::app {
 
-// Thread-safe. `quota` outlives the gate, and the gate its passes.
+// Thread-safe. `quota` outlives the gate, and the gate its passes. Owners that are inside have equal
+// parts of it when it is full.
 class Gate {
  public:
   Gate(const char* quota, std::size_t limit) : quota_(quota), limit_(limit) {}
   Gate(const Gate&) = delete;
   Gate& operator=(const Gate&) = delete;
 
-  struct Leave {
-    void operator()(Gate* gate) const { --gate->inside_; }
-  };
-  using Pass = std::unique_ptr<Gate, Leave>;
-
-  // A pass for as long as the job is waiting or running. kLimitExceeded with the quota.
-  Result<Pass> Enter() {
-    if (++inside_ > limit_) {
-      --inside_;
-      return Fail(QuotaFull(quota_, limit_));
+  // For as long as the job is waiting or running.
+  class Pass {
+   public:
+    Pass() = default;
+    Pass(Pass&& other) noexcept { *this = std::move(other); }
+    Pass& operator=(Pass&& other) noexcept {
+      if (this == &other) return *this;
+      reset();
+      gate_ = std::exchange(other.gate_, nullptr);
+      owner_ = std::move(other.owner_);
+      return *this;
     }
-    return Pass(this);
+    ~Pass() { reset(); }
+    void reset() {
+      if (Gate* gate = std::exchange(gate_, nullptr)) gate->Leave(owner_);
+    }
+
+   private:
+    friend class Gate;
+    Pass(Gate* gate, std::string owner) : gate_(gate), owner_(std::move(owner)) {}
+    Gate* gate_ = nullptr;
+    std::string owner_;
+  };
+
+  // kLimitExceeded with the quota when as many are inside as may be, and of these at least an equal
+  // part is the owner's.
+  Result<Pass> Enter(const std::string& owner) {
+    const MutexLock lock(&mutex_);
+    const auto found = by_owner_.find(owner);
+    const std::size_t own = found == by_owner_.end() ? 0 : found->second;
+    const std::size_t owners = by_owner_.size() + (own == 0 ? 1 : 0);
+    if (inside_ >= limit_ && own >= limit_ / owners) return Fail(QuotaFull(quota_, limit_));
+    ++inside_;
+    ++by_owner_[owner];
+    return Pass(this, owner);
   }
-  std::size_t inside() const { return inside_; }
+
+  std::size_t inside() const {
+    const MutexLock lock(&mutex_);
+    return inside_;
+  }
 
  private:
+  void Leave(const std::string& owner) {
+    const MutexLock lock(&mutex_);
+    --inside_;
+    const auto found = by_owner_.find(owner);
+    if (--found->second == 0) by_owner_.erase(found);
+  }
+
   const char* const quota_;
   const std::size_t limit_;
-  std::atomic<std::size_t> inside_{0};
+  mutable Mutex mutex_;
+  std::size_t inside_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::map<std::string, std::size_t> by_owner_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace arap::app

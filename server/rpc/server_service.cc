@@ -38,7 +38,7 @@ Status GetServerInfo(app::Engine& engine, const v1::GetServerInfoRequest&, const
   response->set_version(app::Version());
   convert::ToWire(engine.limits, response->mutable_limits());
   for (const char* capability : kCapabilities) response->add_capabilities(capability);
-  response->set_workers(static_cast<std::uint32_t>(engine.interactive.threads()));
+  response->set_workers(static_cast<std::uint32_t>(engine.lanes.workers));
   return {};
 }
 

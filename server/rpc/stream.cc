@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -8,9 +9,11 @@
 #include <fmt/format.h>
 #include <grpcpp/server_context.h>
 
+#include "core/base/cpu_timer.h"
 #include "core/base/mutex.h"
 #include "core/base/try.h"
 #include "proto/convert/status.h"
+#include "server/budget/estimate.h"
 #include "server/budget/faults.h"
 #include "server/engine.h"
 #include "server/rpc/caller_of.h"
@@ -77,10 +80,13 @@ class StreamReactor final
         context_(context),
         caller_(std::move(caller)),
         policy_(engine.limits, engine.clock,
-                [&engine](double share) {
-                  return engine.load.Admit(share, engine.interactive.stats().busy,
-                                           engine.clock.SteadyNow());
-                }),
+                {[this](double share) {
+                   return engine_.admission.MayOpen(caller_.owner, share, Now());
+                 },
+                 [this](double share) {
+                   return engine_.admission.WakeUp(this, caller_.owner, share, Now());
+                 },
+                 [this](double share) { engine_.admission.StaysAwake(this, share, Now()); }}),
         log_("StreamDeform", "", false, &engine.metrics) {
     log_.Owner(caller_.owner);
   }
@@ -103,7 +109,7 @@ class StreamReactor final
 
   void OnReadDone(bool ok) override {
     const MutexLock lock(&mutex_);
-    ok ? policy_.MessageRead(View(incoming_, engine_.limits)) : policy_.HalfClosed();
+    ok ? Read() : policy_.HalfClosed();
     Pump();
   }
 
@@ -133,6 +139,7 @@ class StreamReactor final
 
   void OnDone() override {
     engine_.streams.Remove(this);
+    engine_.admission.Leave(this);
     watch_ = {};
     const std::shared_ptr<StreamReactor> self = std::move(self_);
     {
@@ -145,6 +152,20 @@ class StreamReactor final
   }
 
  private:
+  runtime::Clock::Steady Now() const { return engine_.clock.SteadyNow(); }
+
+  // The memory of a message counts until the next one is read.
+  void Read() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    message_room_.Release();
+    if (auto room =
+            engine_.derived.Reserve(caller_, app::RequestBytes(incoming_.SpaceUsedLong()))) {
+      message_room_ = *std::move(room);
+    } else {
+      policy_.End(std::move(room.error()));
+    }
+    policy_.MessageRead(View(incoming_, engine_.limits));
+  }
+
   void Pump() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     for (;;) {
       app::StreamStep step = policy_.Next();
@@ -198,17 +219,15 @@ class StreamReactor final
   }
 
   bool Post(app::StreamJob::Lane lane, void (StreamReactor::*job)()) {
+    using Lane = app::StreamJob::Lane;
     auto run = [self = shared_from_this(), job] { (self.get()->*job)(); };
-    switch (lane) {
-      case app::StreamJob::Lane::kControl:
-        return engine_.control.TryPost(std::move(run));
-      case app::StreamJob::Lane::kFrames:
-        // Whoever was let in does not wait, and is not refused, because of the calls of others.
-        return engine_.interactive.PostUrgent(std::move(run));
-      case app::StreamJob::Lane::kJobs:
-        break;
-    }
-    return engine_.jobs.TryPost(std::move(run));
+    // Every stream has its own turn among those of its owner.
+    const runtime::Share share{caller_.owner, reinterpret_cast<std::uintptr_t>(this), job_.seconds};
+    if (lane == Lane::kControl) return engine_.control.TryPost(std::move(run), share);
+    if (lane == Lane::kFrames) return engine_.interactive.Continue(std::move(run), share);
+    // Whoever was let in is not refused a frame because of the calls of others.
+    return job_.work == app::StreamJob::Work::kUpdate ? engine_.jobs.Continue(std::move(run), share)
+                                                      : engine_.jobs.TryPost(std::move(run), share);
   }
 
   // The bodies of the jobs, without mutex_.
@@ -216,10 +235,14 @@ class StreamReactor final
   // The store may be slow and what was evicted has to be computed again: neither on the lane of
   // frames.
   void RunFind() {
-    auto session = engine_.sessions.Use(caller_.owner, open_.session_id());
+    auto session =
+        app::WithinMemory([&] { return engine_.sessions.Use(caller_.owner, open_.session_id()); });
     if (session) {
       session_ = *std::move(session);
-      if (app::IsWarmHandleSet(engine_, *session_, open_.handle_set_id())) return RunOpen();
+      const auto set = app::PeekHandleSet(engine_, *session_, open_.handle_set_id());
+      const bool cold = set.warmth == app::Warmth::kCold;
+      job_.seconds = cold ? 1 : set.handles ? app::DepthOrderSeconds(*set.handles) : 0;
+      if (!cold && job_.seconds <= app::kLongFrameSeconds) return RunOpen();
       if (Post(app::StreamJob::Lane::kJobs, &StreamReactor::RunOpen)) return;
     }
     const MutexLock lock(&mutex_);
@@ -228,13 +251,14 @@ class StreamReactor final
   }
 
   void RunOpen() {
-    const Status opened = Open();
     auto answer = std::make_unique<Answer>();
     app::LiveHandles set;
-    if (opened) {
+    const Status opened = app::WithinMemory([&]() -> Status {
+      CHECK_OK(Open());
       ToWire(live_->entry(), answer->message.mutable_opened()->mutable_handle_set());
       set = {live_->entry().handles, live_->entry().handles->RestTargets()};
-    }
+      return {};
+    });
     const MutexLock lock(&mutex_);
     if (opened) {
       policy_.Opened(
@@ -262,6 +286,7 @@ class StreamReactor final
       const MutexLock lock(&mutex_);
       CHECK_OK(policy_.AdmitFrames(app::FrameSeconds(vertices, refine)));
     }
+    TRY(live_room_, engine_.derived.Reserve(caller_, app::LiveSetBytes(vertices, 1)));
     end_listener_ = session_->AddEndListener(
         [weak = weak_from_this(), ended = app::NotFound("session", open_.session_id())] {
           if (const auto self = weak.lock()) self->End(ended);
@@ -273,16 +298,18 @@ class StreamReactor final
   void RunUpdate() {
     const double queue_micros = job_.waiting.Micros();
     const runtime::WallTimer working;
+    CpuTimer processor;
     auto answer = std::make_unique<Answer>();
     v1::Shape& shape = *answer->message.mutable_shape();
-    const auto make = [&]() -> Status {
+    const Status made = app::WithinMemory([&]() -> Status {
       TRY(const auto quality, live_->Move(job_.targets, options_.deform, engine_.metrics));
       CHECK_OK(Fill(*live_, quality, working, queue_micros, shape));
       PicksToWire(live_->deformer(), job_.picks, &shape);
       return {};
-    };
-    const Status made = make();
+    });
+    const double took = processor.Lap() * 1e-3;
     const MutexLock lock(&mutex_);
+    policy_.FrameTook(took);
     made ? policy_.Moved(std::move(answer)) : policy_.Failed(made.error());
     Pump();
   }
@@ -291,16 +318,23 @@ class StreamReactor final
     const double queue_micros = job_.waiting.Micros();
     const runtime::WallTimer working;
     auto answer = std::make_unique<Answer>();
-    const auto make = [&]() -> Result<app::EditedSet> {
+    auto made = app::WithinMemory([&]() -> Result<app::EditedSet> {
       TRY(const auto add, FromWire(edit_.add(), "add"));
+      // What is added is this stream's own: it counts for as long as the stream has it.
+      const app::HandleSetEntry& entry = live_->entry();
+      const std::size_t vertices = entry.handles->mesh()->mesh().vertices.size();
+      const std::size_t rows = entry.handles->rows() + app::RowsOf(add, vertices);
+      TRY(auto room, engine_.derived.Reserve(caller_, app::LiveSetBytes(vertices, 1) +
+                                                          app::CompilationBytes(vertices, rows)));
       TRY(auto edited,
           live_->Edited({edit_.remove().begin(), edit_.remove().end()}, add, job_.targets,
                         options_.deform, engine_.limits, CancelTokenOf(context_), engine_.metrics));
       CHECK_OK(Fill(edited.set, edited.quality, working, queue_micros,
                     *answer->message.mutable_shape()));
+      room.Shrink(app::LiveSetBytes(vertices, 1) + edited.set.entry().handles->bytes());
+      live_room_ = std::move(room);
       return edited;
-    };
-    auto made = make();
+    });
     if (made) live_.emplace(std::move(made->set));
     const MutexLock lock(&mutex_);
     if (made) {
@@ -334,6 +368,7 @@ class StreamReactor final
   std::unique_ptr<Answer> outgoing_ ABSL_GUARDED_BY(mutex_);
   RpcLog log_ ABSL_GUARDED_BY(mutex_);
   Status end_status_ ABSL_GUARDED_BY(mutex_);
+  app::DerivedCache::Reservation message_room_ ABSL_GUARDED_BY(mutex_);
 
   // The running job's own; when none runs, of whoever holds mutex_.
   app::StreamJob job_;
@@ -343,6 +378,7 @@ class StreamReactor final
   std::uint64_t end_listener_ = 0;
   ShapeOptions options_;
   std::optional<app::LiveSet> live_;
+  app::DerivedCache::Reservation live_room_;  // for it, and for what edits have added
 };
 
 }  // namespace

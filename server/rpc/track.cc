@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -15,12 +16,14 @@
 #include "core/base/mutex.h"
 #include "core/base/try.h"
 #include "proto/convert/status.h"
+#include "server/budget/estimate.h"
 #include "server/budget/faults.h"
 #include "server/engine.h"
 #include "server/rpc/caller_of.h"
 #include "server/rpc/convert.h"
 #include "server/rpc/long_calls.h"
 #include "server/rpc/rpc_log.h"
+#include "server/rpc/unary.h"
 #include "server/runtime/clock.h"
 #include "server/sessions/rebuild.h"
 #include "server/streams/live_set.h"
@@ -62,8 +65,7 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
       if (!added) {
         end_ = added.error();
       } else {
-        working_ = engine_.jobs.TryPost([self = self_] { self->RunPrepare(); });
-        if (!working_) end_ = app::Overloaded();
+        StartPreparing();
       }
       Pump();
     }
@@ -112,6 +114,23 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
   }
 
  private:
+  // The request counts for as long as the track runs.
+  void StartPreparing() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    auto room = engine_.derived.Reserve(caller_, app::RequestBytes(request_.SpaceUsedLong()));
+    if (!room) {
+      end_ = std::move(room.error());
+      return;
+    }
+    request_room_ = *std::move(room);
+    working_ = engine_.jobs.TryPost([self = self_] { self->RunPrepare(); }, TurnOf(0));
+    if (!working_) end_ = app::Overloaded();
+  }
+
+  // Every track has its own turn among the calls of its owner.
+  runtime::Share TurnOf(double seconds) const {
+    return {caller_.owner, reinterpret_cast<std::uintptr_t>(this), seconds};
+  }
+
   // Starts whatever has become possible.
   void Pump() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (finished_) return;
@@ -126,7 +145,8 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
     if (prepared_ && !working_ && ready_.empty() && !end_ && !cancelled_ &&
         next_frame_ < request_.frames_size()) {
       waiting_ = {};
-      working_ = engine_.jobs.Continue([self = self_] { self->RunFrames(); });
+      working_ =
+          engine_.jobs.Continue([self = self_] { self->RunFrames(); }, TurnOf(frames_seconds_));
       if (!working_) end_ = app::Overloaded();
     }
     if (!working_ && !writing_ && (cancelled_ || ready_.empty())) FinishTrack();
@@ -145,7 +165,7 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
   // The jobs, without mutex_.
 
   void RunPrepare() {
-    const Status prepared = Prepare();
+    const Status prepared = app::WithinMemory([this] { return Prepare(); });
     const MutexLock lock(&mutex_);
     prepared_ = prepared.has_value();
     if (!prepared && !end_) end_ = prepared.error();
@@ -154,7 +174,7 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
   }
 
   void RunFrames() {
-    auto frames = NextFrames();
+    auto frames = app::WithinMemory([this] { return NextFrames(); });
     const MutexLock lock(&mutex_);
     if (frames) {
       next_frame_ += static_cast<int>(frames->size());
@@ -167,6 +187,7 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
   }
 
   Status Prepare() {
+    CHECK_OK(CheckSize(engine_.limits, request_.ByteSizeLong()));
     TRY(const auto session, engine_.sessions.Use(caller_.owner, request_.session_id()));
     TRY(auto entry,
         app::WarmHandleSet(engine_, caller_, *session, request_.handle_set_id(), cancel_));
@@ -189,6 +210,10 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
       if (auto targets = TargetsOf(i); !targets) return Fail(std::move(targets.error()));
       CHECK_OK(cancel_.Check());
     }
+    const std::size_t vertices = entry.handles->mesh()->mesh().vertices.size();
+    TRY(live_room_, engine_.derived.Reserve(caller_, app::LiveSetBytes(vertices, kLanes)));
+    frames_seconds_ =
+        kLanes * app::FrameSeconds(vertices, static_cast<std::size_t>(options_.deform.refine));
     live_.emplace(std::move(entry), kLanes);
     return {};
   }
@@ -252,10 +277,13 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
   ShapeOptions options_;
   std::vector<std::size_t> order_;  // of each column in the set
   std::optional<app::LiveSet> live_;
+  app::DerivedCache::Reservation live_room_;
+  double frames_seconds_ = 0;  // that a job is expected to take
   runtime::WallTimer waiting_;
   int next_frame_ = 0;
 
   Mutex mutex_;
+  app::DerivedCache::Reservation request_room_ ABSL_GUARDED_BY(mutex_);
   bool prepared_ ABSL_GUARDED_BY(mutex_) = false;
   bool working_ ABSL_GUARDED_BY(mutex_) = false;
   std::deque<v1::DeformTrackResponse> ready_ ABSL_GUARDED_BY(mutex_);  // at most kLanes

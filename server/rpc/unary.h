@@ -16,7 +16,7 @@
 #include "server/budget/gate.h"
 #include "server/engine.h"
 #include "server/rpc/caller_of.h"
-#include "server/sessions/rebuild.h"
+#include "server/rpc/costs.h"
 
 namespace arap::rpc {
 
@@ -39,7 +39,8 @@ Result<std::shared_ptr<app::Session>> SessionOf(app::Engine& engine, const Call&
 template <class Request, class Response>
 using Handler = Status (*)(app::Engine&, const Request&, const Call&, Response*);
 
-// What a handler costs decides where it runs.
+// What a handler does decides where it runs. What is expected to take longer than kLongFrameSeconds
+// is a job (costs.h).
 enum class Cost {
   kTrivial,  // says what is known: at once
   kStore,    // may wait for the store: control
@@ -66,16 +67,18 @@ struct Backend {
 struct UnaryJob {
   std::string session_id;                   // for the log
   std::function<Status(const Call&)> work;  // fills the response
-  // Whether what the request names is there to be used; empty when the handler builds it anyway.
-  std::function<bool(const app::Session&)> is_warm;
+  std::size_t bytes = 0;                    // of the request, in memory
+  // Empty for what computes nothing.
+  std::function<Expected(const app::Session*)> expect;
 };
 
 // kLimitExceeded for a request beyond max_message_bytes.
 Status CheckSize(const Limits& limits, std::size_t request_bytes);
 
 // Finishes the call with the status of its work. A caller who is refused takes no gate and no lane
-// and looks nothing up; a full lane answers kOverloaded, a shut gate kLimitExceeded, and a call
-// that its caller has given up before it started is not begun.
+// and looks nothing up; a full lane answers kOverloaded and a shut gate kLimitExceeded, with what
+// waits before it and for how long; a request that there is no memory for is kLimitExceeded, and a
+// call that its caller has given up before it started is not begun.
 grpc::ServerUnaryReactor* RunUnary(const Backend& backend, const Method& method,
                                    grpc::CallbackServerContext* context, UnaryJob job);
 
@@ -91,16 +94,11 @@ grpc::ServerUnaryReactor* Run(const Backend& backend, const Method& method,
     return handler(engine, *request, call, response);
   };
   if constexpr (requires { request->session_id(); }) job.session_id = request->session_id();
-  if (method.cost == Cost::kLookUp || method.cost == Cost::kFrame) {
-    if constexpr (requires { request->handle_set_id(); }) {
-      job.is_warm = [&engine, request](const app::Session& session) {
-        return app::IsWarmHandleSet(engine, session, request->handle_set_id());
-      };
-    } else if constexpr (requires { request->mesh_id(); }) {
-      job.is_warm = [&engine, request](const app::Session& session) {
-        return app::IsWarmMesh(engine, session, request->mesh_id());
-      };
-    }
+  job.bytes = request->SpaceUsedLong();
+  if constexpr (requires { ExpectedOf(engine, nullptr, *request); }) {
+    job.expect = [&engine, request](const app::Session* session) {
+      return ExpectedOf(engine, session, *request);
+    };
   }
   return RunUnary(backend, method, context, std::move(job));
 }

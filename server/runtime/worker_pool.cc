@@ -1,27 +1,17 @@
 #include "server/runtime/worker_pool.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include <pthread.h>
 
+#include "core/base/cpu_timer.h"
 #include "server/runtime/metrics.h"
 
 namespace arap::runtime {
 namespace {
 
 using std::chrono::steady_clock;
-
-constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
-
-// What GiveWay knows of the thread that calls it.
-struct Worker {
-  WorkerPool* pool = nullptr;
-  WorkerPool* gives_way_to = nullptr;
-  steady_clock::time_point next;  // when it may wait again
-};
-thread_local Worker this_worker;
 
 PoolOptions WithThread(PoolOptions options) {
   options.threads = std::max<std::size_t>(options.threads, 1);
@@ -35,28 +25,43 @@ void NameThread(const std::string& name) {
 
 }  // namespace
 
+// A thread and the job that it runs. Only the thread itself looks at it.
+struct WorkerPool::Worker {
+  WorkerPool& pool;
+  std::size_t thread;
+  Place place = Place::kAny;
+  Share share{};
+  Time since{};          // the job waited for its first turn
+  Time turn{};           // when its turn began
+  CpuTimer processor{};  // since it was last charged
+  Time clock{};          // likewise
+  double used = 0;       // seconds
+  double paid = 0;       // of these, charged or charged before
+  Time next_giving_way{};
+};
+
+thread_local WorkerPool::Worker* WorkerPool::this_worker = nullptr;
+
 void GiveWay() {
-  Worker& worker = this_worker;
-  if (worker.gives_way_to == nullptr) return;
-  const auto begin = steady_clock::now();
-  if (begin < worker.next) return;
-  if (worker.gives_way_to->AwaitFreeThread(std::chrono::milliseconds::zero())) return;
-  {
-    const MutexLock lock(&worker.pool->mutex_);
-    ++worker.pool->gave_way_;
+  WorkerPool::Worker* worker = WorkerPool::this_worker;
+  if (worker == nullptr) return;
+  WorkerPool& pool = worker->pool;
+  pool.TakeTurns(*worker);
+  if (pool.options_.gives_way_to != nullptr) {
+    pool.GiveWayTo(*pool.options_.gives_way_to, *worker);
   }
-  worker.gives_way_to->AwaitFreeThread(kGiveWay);
-  const auto end = steady_clock::now();
-  worker.next = end + (end - begin);
 }
 
 WorkerPool::WorkerPool(PoolOptions options)
-    : options_(WithThread(std::move(options))),
-      running_since_(options_.threads),
-      last_finish_(steady_clock::now()) {
+    : options_(WithThread(std::move(options))), last_finish_(steady_clock::now()) {
+  const std::size_t all = threads() + options_.aside;
+  {
+    const MutexLock lock(&mutex_);
+    running_since_.resize(all);
+  }
   const MutexLock joining(&join_mutex_);
-  threads_.reserve(options_.threads);
-  for (std::size_t i = 0; i < options_.threads; ++i) threads_.emplace_back([this, i] { Run(i); });
+  threads_.reserve(all);
+  for (std::size_t i = 0; i < all; ++i) threads_.emplace_back([this, i] { Run(i); });
 }
 
 WorkerPool::WorkerPool(std::size_t threads, std::size_t queue)
@@ -64,18 +69,19 @@ WorkerPool::WorkerPool(std::size_t threads, std::size_t queue)
 
 WorkerPool::~WorkerPool() { Stop(); }
 
-bool WorkerPool::TryPost(Job job) { return Post(std::move(job), false, options_.queue); }
+bool WorkerPool::TryPost(Job job, Share share) {
+  return Post(std::move(job), std::move(share), true);
+}
 
-bool WorkerPool::Continue(Job job) { return Post(std::move(job), false, kAny); }
+bool WorkerPool::Continue(Job job, Share share) {
+  return Post(std::move(job), std::move(share), false);
+}
 
-bool WorkerPool::PostUrgent(Job job) { return Post(std::move(job), true, kAny); }
-
-bool WorkerPool::Post(Job job, bool urgent, std::size_t room) {
+bool WorkerPool::Post(Job job, Share share, bool counted) {
   {
     const MutexLock lock(&mutex_);
-    std::deque<Posted>& jobs = urgent ? urgent_ : jobs_;
-    if (stopped_ || jobs.size() >= room) return false;
-    jobs.push_back({std::move(job), steady_clock::now()});
+    if (stopped_ || (counted && !queue_.HasRoom(share.owner, options_.queue))) return false;
+    queue_.Push({std::move(share), steady_clock::now(), {std::move(job)}}, counted);
   }
   wake_.Signal();
   return true;
@@ -94,14 +100,21 @@ void WorkerPool::Stop() {
 
 std::size_t WorkerPool::waiting() const {
   const MutexLock lock(&mutex_);
-  return urgent_.size() + jobs_.size();
+  return queue_.size();
+}
+
+WorkerPool::Outlook WorkerPool::OutlookOf(const std::string& owner) const {
+  const MutexLock lock(&mutex_);
+  const auto outlook = queue_.OutlookOf(owner);
+  return {outlook.place,
+          std::chrono::duration<double>(outlook.seconds / static_cast<double>(options_.threads))};
 }
 
 PoolStats WorkerPool::stats() const {
   const MutexLock lock(&mutex_);
   const Time now = steady_clock::now();
   PoolStats stats;
-  stats.waiting = urgent_.size() + jobs_.size();
+  stats.waiting = queue_.size();
   stats.running = running_;
   stats.completed = completed_;
   stats.gave_way = gave_way_;
@@ -112,17 +125,13 @@ PoolStats WorkerPool::stats() const {
     stats.oldest_running =
         std::max<std::chrono::duration<double>>(stats.oldest_running, now - *since);
   }
-  for (const std::deque<Posted>* jobs : {&urgent_, &jobs_}) {
-    if (jobs->empty()) continue;
-    stats.oldest_waiting =
-        std::max<std::chrono::duration<double>>(stats.oldest_waiting, now - jobs->front().since);
-  }
+  if (const auto oldest = queue_.oldest()) stats.oldest_waiting = now - *oldest;
   stats.since_finish = now - last_finish_;
   return stats;
 }
 
 bool WorkerPool::HasFreeThread() const {
-  return running_ < options_.threads && urgent_.empty() && jobs_.empty();
+  return running_ - running_short_ < options_.threads && queue_.empty();
 }
 
 bool WorkerPool::AwaitFreeThread(std::chrono::milliseconds patience) const {
@@ -134,46 +143,130 @@ bool WorkerPool::AwaitFreeThread(std::chrono::milliseconds patience) const {
   return true;
 }
 
-std::optional<WorkerPool::Posted> WorkerPool::Take(std::size_t thread) {
+std::optional<WorkerPool::Queue::Entry> WorkerPool::NextLocked(Worker& worker) {
+  while (running_ - running_short_ < options_.threads) {
+    auto next = queue_.Pop();
+    if (!next) return std::nullopt;
+    ++running_;
+    worker.place = Place::kAny;
+    Aside* aside = next->item.aside;
+    if (aside == nullptr) return next;
+    aside->go = true;
+    aside->turn.Signal();
+  }
+  if (options_.short_seconds <= 0 || running_short_ > 0) return std::nullopt;
+  auto next = queue_.Pop(options_.short_seconds);
+  if (!next) return std::nullopt;
+  ++running_;
+  ++running_short_;
+  worker.place = Place::kShort;
+  return next;
+}
+
+std::optional<WorkerPool::Queue::Entry> WorkerPool::Take(Worker& worker) {
   const MutexLock lock(&mutex_);
-  while (urgent_.empty() && jobs_.empty()) {
-    if (stopped_) return std::nullopt;
+  ++idle_;
+  std::optional<Queue::Entry> next;
+  while (!(next = NextLocked(worker))) {
+    if (stopped_ && queue_.empty()) break;
     wake_.Wait(&mutex_);
   }
-  std::deque<Posted>& jobs = urgent_.empty() ? jobs_ : urgent_;
-  Posted next = std::move(jobs.front());
-  jobs.pop_front();
-  running_since_[thread] = steady_clock::now();
-  ++running_;
+  --idle_;
+  if (!next) return next;
+  const Time now = steady_clock::now();
+  running_since_[worker.thread] = now;
+  worker.share = next->share;
+  worker.since = next->since;
+  worker.turn = worker.clock = now;
+  worker.processor.Lap();
+  worker.used = 0;
+  worker.paid = Queue::Paid(next->share);
   // Nobody else may end and say so.
   if (HasFreeThread()) free_.SignalAll();
   return next;
 }
 
-void WorkerPool::Finished(std::size_t thread) {
+void WorkerPool::ChargeLocked(Worker& worker) {
+  const Time now = steady_clock::now();
+  const std::chrono::duration<double> passed = now - std::exchange(worker.clock, now);
+  const double processor = worker.processor.Lap() * 1e-3;
+  worker.used += options_.waits ? passed.count() : processor;
+  queue_.Charge(worker.share, worker.used - worker.paid);
+  worker.paid = worker.used;
+}
+
+void WorkerPool::LeaveLocked(Place place) {
+  --running_;
+  if (place == Place::kShort) --running_short_;
+}
+
+void WorkerPool::Finished(Worker& worker) {
   {
     const MutexLock lock(&mutex_);
+    ChargeLocked(worker);
+    LeaveLocked(worker.place);
     last_finish_ = steady_clock::now();
-    busy_ += last_finish_ - *std::exchange(running_since_[thread], std::nullopt);
-    --running_;
+    busy_ += last_finish_ - *std::exchange(running_since_[worker.thread], std::nullopt);
     ++completed_;
+    // Those that wait for the last job to end.
+    if (stopped_) wake_.SignalAll();
     if (!HasFreeThread()) return;
   }
   free_.SignalAll();
 }
 
+void WorkerPool::TakeTurns(Worker& worker) {
+  if (options_.aside == 0) return;
+  const Time now = steady_clock::now();
+  if (now - worker.turn < std::chrono::duration<double>(Queue::kSlice)) return;
+  const MutexLock lock(&mutex_);
+  ChargeLocked(worker);
+  worker.turn = now;
+  const bool overdue = worker.place == Place::kShort;
+  worker.share.seconds = std::max(worker.share.seconds, worker.used);
+  // Somebody has to be there to take the turn; half of the places aside are for the sake of other
+  // owners.
+  const bool others = idle_ <= options_.aside / 2;
+  if (idle_ == 0 || !(overdue || queue_.Precedes(worker.share, worker.since, others))) return;
+  LeaveLocked(worker.place);
+  busy_ += now - *running_since_[worker.thread];
+  running_since_[worker.thread].reset();
+  Aside aside;
+  queue_.Push({worker.share, worker.since, {nullptr, &aside}}, false);
+  wake_.Signal();
+  while (!aside.go) aside.turn.Wait(&mutex_);
+  worker.place = Place::kAny;
+  worker.paid += Queue::Paid(worker.share);
+  worker.turn = worker.clock = steady_clock::now();
+  running_since_[worker.thread] = worker.turn;
+}
+
+void WorkerPool::GiveWayTo(WorkerPool& others, Worker& worker) {
+  const auto begin = steady_clock::now();
+  if (begin < worker.next_giving_way) return;
+  if (others.AwaitFreeThread(std::chrono::milliseconds::zero())) return;
+  {
+    const MutexLock lock(&mutex_);
+    ++gave_way_;
+  }
+  others.AwaitFreeThread(kGiveWay);
+  const auto end = steady_clock::now();
+  worker.next_giving_way = end + (end - begin);
+}
+
 void WorkerPool::Run(std::size_t thread) {
   NameThread(options_.name);
-  this_worker = {this, options_.gives_way_to, {}};
-  while (std::optional<Posted> next = Take(thread)) {
+  Worker worker{*this, thread};
+  this_worker = &worker;
+  while (std::optional<Queue::Entry> next = Take(worker)) {
     if (options_.metrics != nullptr) {
-      const std::chrono::duration<double> waited = steady_clock::now() - next->since;
+      const std::chrono::duration<double> waited = worker.turn - next->since;
       options_.metrics->Queue(options_.name, waited.count());
     }
-    next->job();
+    next->item.job();
     // What the job holds goes before it counts as done.
     next.reset();
-    Finished(thread);
+    Finished(worker);
   }
 }
 

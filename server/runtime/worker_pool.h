@@ -1,10 +1,10 @@
-// WorkerPool: a fixed number of threads behind a bounded queue.
+// WorkerPool: a lane. A fixed number of threads behind a bounded queue, which owners share in equal
+// parts of processor time (fair_queue.h).
 #pragma once
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/mutex.h"
+#include "server/runtime/fair_queue.h"
 
 namespace arap::runtime {
 
@@ -19,17 +20,27 @@ class Metrics;
 class WorkerPool;
 
 struct PoolOptions {
-  std::string name = "pool";  // of the threads and of the queue in the metrics
-  std::size_t threads = 1;
-  std::size_t queue = 0;               // jobs that may wait beside the ones that run
+  std::string name = "pool";           // of the threads and of the queue in the metrics
+  std::size_t threads = 1;             // jobs that run at once
+  std::size_t queue = 0;               // jobs that may wait beside them, see TryPost
   Metrics* metrics = nullptr;          // told how long jobs waited; outlives the pool
   WorkerPool* gives_way_to = nullptr;  // see GiveWay; outlives the pool
+  // A place beside the others for jobs that are expected to take at most so long; 0: none. So they
+  // wait for one another only.
+  double short_seconds = 0;
+  // So many long jobs may stand aside at once while others take their turn, see GiveWay.
+  std::size_t aside = 0;
+  // Jobs wait for something else: owners share the time that passes and not the processor's.
+  bool waits = false;
 };
 
-// To be called by long jobs between their steps: while every thread of the pool that theirs gives
-// way to is busy, waits for one to be free, kGiveWay at most. A job that has waited goes on for as
-// long as it has waited before it waits again, so it gets on however busy the others are. Returns
-// at once in a thread whose pool gives way to none.
+// To be called by long jobs between their steps.
+//   - A job that has run for FairQueue::kSlice stands aside for one whose turn it is, until it is its
+//     own turn again. One that has the place of the short ones and is not short gives it up.
+//   - While every thread of the pool that theirs gives way to is busy, waits for one to be free,
+//     kGiveWay at most. A job that has waited goes on for as long as it has waited before it waits
+//     again, so it gets on however busy the others are.
+// Returns at once in a thread of no pool.
 void GiveWay();
 inline constexpr std::chrono::milliseconds kGiveWay{5};
 
@@ -45,12 +56,16 @@ struct PoolStats {
   std::chrono::duration<double> since_finish{};    // since a job ended, or since the start
 };
 
-// Thread-safe. Jobs start in the order of posting, urgent ones before the others; every accepted
-// job runs exactly once, also when the pool is stopped meanwhile. A job must not throw and must not
-// wait for another job of its pool.
+// Thread-safe. Every accepted job runs exactly once, also when the pool is stopped meanwhile. A job
+// must not throw and must not wait for another job of its pool.
 class WorkerPool {
  public:
   using Job = std::function<void()>;
+  // What a newcomer would find, see FairQueue.
+  struct Outlook {
+    std::size_t place = 0;
+    std::chrono::duration<double> wait{};
+  };
 
   // Has one thread at least.
   explicit WorkerPool(PoolOptions options);
@@ -60,16 +75,16 @@ class WorkerPool {
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  // False, and the job is dropped, when the queue is full or the pool has stopped.
-  [[nodiscard]] bool TryPost(Job job);
+  // False, and the job is dropped, when the queue is full or the pool has stopped. The queue is full
+  // for an owner when as many wait as it takes, and of these at least an equal part is the owner's.
+  [[nodiscard]] bool TryPost(Job job, Share share = {});
 
-  // The next piece of work that was accepted before: not refused for a full queue, so that a track
-  // that has begun can end. Who uses it keeps at most one such job waiting. False only after Stop.
-  [[nodiscard]] bool Continue(Job job);
+  // The next piece of work that was accepted before, a frame of a stream or a track: not refused for
+  // a full queue. Who uses it keeps at most one such job waiting. False only after Stop.
+  [[nodiscard]] bool Continue(Job job, Share share = {});
 
-  // A job that starts before all that are not urgent and is not refused for a full queue: frames of
-  // streams that were let in, which have one job each. False only after Stop.
-  [[nodiscard]] bool PostUrgent(Job job);
+  // What another job of this owner would find now.
+  Outlook OutlookOf(const std::string& owner) const;
 
   // Refuses new jobs, runs the waiting ones, joins the threads. Harmless when repeated. Not to be
   // called from a job.
@@ -79,35 +94,53 @@ class WorkerPool {
   bool AwaitFreeThread(std::chrono::milliseconds patience) const;
 
   const std::string& name() const { return options_.name; }
-  std::size_t threads() const { return options_.threads; }
+  // The most jobs that run at once.
+  std::size_t threads() const { return options_.threads + (options_.short_seconds > 0 ? 1 : 0); }
   std::size_t waiting() const;
   PoolStats stats() const;
 
  private:
   friend void GiveWay();
   using Time = std::chrono::steady_clock::time_point;
+  // A job that stands aside in its thread.
+  struct Aside {
+    CondVar turn;
+    bool go = false;
+  };
   struct Posted {
     Job job;
-    Time since;
+    Aside* aside = nullptr;  // instead of a job
   };
+  using Queue = FairQueue<Posted>;
+  enum class Place { kAny, kShort };
+  struct Worker;
 
-  bool Post(Job job, bool urgent, std::size_t room);
+  bool Post(Job job, Share share, bool counted);
   void Run(std::size_t thread);
   // Waits for work; nothing when there is none and the pool has stopped.
-  std::optional<Posted> Take(std::size_t thread);
-  void Finished(std::size_t thread);
+  std::optional<Queue::Entry> Take(Worker& worker);
+  std::optional<Queue::Entry> NextLocked(Worker& worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Finished(Worker& worker);
+  // What the job has taken since this was last asked, and counts it.
+  void ChargeLocked(Worker& worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void LeaveLocked(Place place) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void TakeTurns(Worker& worker);
+  void GiveWayTo(WorkerPool& others, Worker& worker);
   bool HasFreeThread() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  static thread_local Worker* this_worker;
 
   const PoolOptions options_;
   mutable Mutex mutex_;
   CondVar wake_;
   mutable CondVar free_;
-  std::deque<Posted> urgent_ ABSL_GUARDED_BY(mutex_);
-  std::deque<Posted> jobs_ ABSL_GUARDED_BY(mutex_);
+  Queue queue_ ABSL_GUARDED_BY(mutex_);
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   // By thread.
   std::vector<std::optional<Time>> running_since_ ABSL_GUARDED_BY(mutex_);
-  std::size_t running_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::size_t idle_ ABSL_GUARDED_BY(mutex_) = 0;           // threads without a job
+  std::size_t running_ ABSL_GUARDED_BY(mutex_) = 0;        // jobs, those aside left out
+  std::size_t running_short_ ABSL_GUARDED_BY(mutex_) = 0;  // of these, in the place of short ones
   std::uint64_t completed_ ABSL_GUARDED_BY(mutex_) = 0;
   std::uint64_t gave_way_ ABSL_GUARDED_BY(mutex_) = 0;
   // Of the jobs that have ended.

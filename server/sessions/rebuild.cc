@@ -59,19 +59,24 @@ Result<std::shared_ptr<const RegisteredMesh>> Rebuild(Workshop& workshop, const 
 
 }  // namespace
 
-bool IsWarmMesh(Workshop& workshop, const Session& session, const std::string& mesh_id) {
+PeekedMesh PeekMesh(Workshop& workshop, const Session& session, const std::string& mesh_id) {
   const auto record = session.record();
   const auto mesh = record->meshes.find(mesh_id);
-  return mesh == record->meshes.end() ||
-         workshop.derived.Has(MeshKey(record->key.owner, mesh->second.blob));
+  if (mesh == record->meshes.end()) return {};
+  auto kept = workshop.derived.Peek<RegisteredMesh>(MeshKey(record->key.owner, mesh->second.blob));
+  return {kept ? Warmth::kWarm : Warmth::kCold, std::move(kept)};
 }
 
-bool IsWarmHandleSet(Workshop& workshop, const Session& session, const std::string& handle_set_id) {
+PeekedSet PeekHandleSet(Workshop& workshop, const Session& session,
+                        const std::string& handle_set_id) {
   const auto record = session.record();
   const auto set = record->handle_sets.find(handle_set_id);
-  if (set == record->handle_sets.end()) return true;
+  if (set == record->handle_sets.end()) return {};
   const auto kept = workshop.derived.Peek<CompiledSet>(HandleSetKey(record->key, handle_set_id));
-  return kept && IsOf(*kept, set->second, record->meshes.at(set->second.mesh_id).blob);
+  if (!kept || !IsOf(*kept, set->second, record->meshes.at(set->second.mesh_id).blob)) {
+    return {Warmth::kCold, nullptr};
+  }
+  return {Warmth::kWarm, HandlesOf(kept)};
 }
 
 Result<MeshEntry> WarmMesh(Workshop& workshop, const Caller& caller, const Session& session,

@@ -33,10 +33,23 @@ struct HandleSetEntry {
   std::uint64_t revision = 1;  // grows by one with every edit
 };
 
-// Warm is what the next call finds in the cache. These never block. True also for what does not
-// exist: to say so is quick.
-bool IsWarmMesh(Workshop& workshop, const Session& session, const std::string& mesh_id);
-bool IsWarmHandleSet(Workshop& workshop, const Session& session, const std::string& handle_set_id);
+// Warm is what the next call finds in the cache. These never block and count no look-up.
+enum class Warmth {
+  kMissing,  // there is no such thing: to say so is quick
+  kCold,     // it has to be computed again
+  kWarm,
+};
+struct PeekedMesh {
+  Warmth warmth = Warmth::kMissing;
+  std::shared_ptr<const RegisteredMesh> mesh;  // kWarm
+};
+struct PeekedSet {
+  Warmth warmth = Warmth::kMissing;
+  std::shared_ptr<const CompiledHandles> handles;  // kWarm
+};
+PeekedMesh PeekMesh(Workshop& workshop, const Session& session, const std::string& mesh_id);
+PeekedSet PeekHandleSet(Workshop& workshop, const Session& session,
+                        const std::string& handle_set_id);
 
 // The entries. When they are not warm this takes as long as registration and compilation: for the
 // job lane. A warm handle set costs two look-ups, whatever its size. Faults: kNotFound; kDataLoss

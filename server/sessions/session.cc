@@ -27,11 +27,13 @@ Fault BadOption(std::string message, std::string field) {
 using std::chrono::duration_cast;
 using std::chrono::milliseconds;
 
-Session::Session(Record record, runtime::Clock::Steady expires, const runtime::Clock& clock)
+Session::Session(Record record, Room room, runtime::Clock::Steady expires,
+                 const runtime::Clock& clock)
     : key_(record->key),
       ttl_(record->ttl),
       clock_(clock),
       record_(std::move(record)),
+      room_(std::move(room)),
       expires_(expires),
       stored_expires_(record_->expires) {}
 
@@ -40,13 +42,14 @@ Session::Record Session::record() const {
   return record_;
 }
 
-void Session::Replace(Record record) {
+void Session::Replace(Record record, Room room) {
   const MutexLock lock(&mutex_);
   stored_expires_ = record->expires;
   record_.swap(record);
+  std::swap(room_, room);
 }
 
-void Session::Reload(store::SessionRecord record) {
+void Session::Reload(store::SessionRecord record, Room room) {
   const Record before = this->record();
   for (auto& [id, set] : record.handle_sets) {
     const auto known = before->handle_sets.find(id);
@@ -55,7 +58,7 @@ void Session::Reload(store::SessionRecord record) {
       set.definitions = known->second.definitions;
     }
   }
-  Replace(std::make_shared<const store::SessionRecord>(std::move(record)));
+  Replace(std::make_shared<const store::SessionRecord>(std::move(record)), std::move(room));
 }
 
 runtime::Clock::Wall Session::WallExpiryLocked() const {
@@ -125,6 +128,16 @@ std::uint64_t Session::AddEndListener(Listener listener) {
 void Session::RemoveEndListener(std::uint64_t id) {
   const MutexLock lock(&mutex_);
   listeners_.erase(id);
+}
+
+std::size_t BytesOf(const store::SessionRecord& record) {
+  constexpr std::size_t kEntry = 256;  // a node of a map with its names
+  constexpr std::size_t kId = 64;      // of a handle
+  std::size_t bytes = kEntry * (1 + record.meshes.size() + record.handle_sets.size());
+  for (const auto& [id, set] : record.handle_sets) {
+    bytes += set.definitions->size() * (sizeof(Handle) + kId);
+  }
+  return bytes;
 }
 
 Result<store::MeshRecord> FindMesh(const store::SessionRecord& record, const std::string& mesh_id) {

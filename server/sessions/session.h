@@ -14,6 +14,7 @@
 #include "arap/base/result.h"
 #include "arap/model/limits.h"
 #include "core/base/mutex.h"
+#include "server/budget/derived_cache.h"
 #include "server/runtime/clock.h"
 #include "server/store/store.h"
 
@@ -50,15 +51,18 @@ class Session {
   using Record = std::shared_ptr<const store::SessionRecord>;
   using Listener = std::function<void()>;
 
+  // The memory of a record, reserved for its owner.
+  using Room = DerivedCache::Reservation;
+
   // `clock` outlives the session. It expires at `expires` unless it is used.
-  Session(Record record, runtime::Clock::Steady expires, const runtime::Clock& clock);
+  Session(Record record, Room room, runtime::Clock::Steady expires, const runtime::Clock& clock);
 
   const store::SessionKey& key() const { return key_; }
   Record record() const;
-  void Replace(Record record);
+  void Replace(Record record, Room room);
   // Replaces it by what was read from the store; handle sets that are as they were keep their
   // lists, so that they are found to be the same without comparing handles.
-  void Reload(store::SessionRecord record);
+  void Reload(store::SessionRecord record, Room room);
   SessionView View() const;
 
   // Extends the life to a ttl from now. Never blocks. kNotFound when it has ended or expired.
@@ -85,12 +89,16 @@ class Session {
 
   mutable Mutex mutex_;
   Record record_ ABSL_GUARDED_BY(mutex_);
+  Room room_ ABSL_GUARDED_BY(mutex_);
   runtime::Clock::Steady expires_ ABSL_GUARDED_BY(mutex_);
   runtime::Clock::Wall stored_expires_ ABSL_GUARDED_BY(mutex_);
   bool ended_ ABSL_GUARDED_BY(mutex_) = false;
   std::uint64_t next_listener_ ABSL_GUARDED_BY(mutex_) = 1;
   std::map<std::uint64_t, Listener> listeners_ ABSL_GUARDED_BY(mutex_);
 };
+
+// What a record takes in memory, about.
+std::size_t BytesOf(const store::SessionRecord& record);
 
 // A part of a record. kNotFound.
 Result<store::MeshRecord> FindMesh(const store::SessionRecord& record, const std::string& mesh_id);

@@ -32,11 +32,12 @@ store::Usage Added(const store::SessionRecord& before, const store::SessionRecor
 }  // namespace
 
 SessionRegistry::SessionRegistry(const Limits& limits, const runtime::Clock& clock,
-                                 store::SpecStore& store,
+                                 store::SpecStore& store, DerivedCache& memory,
                                  std::function<void(const store::SessionRecord&)> released)
     : limits_(limits),
       clock_(clock),
       store_(store),
+      memory_(memory),
       released_(std::move(released)),
       quotas_(limits, store) {}
 
@@ -59,6 +60,13 @@ std::vector<SessionRegistry::Found> SessionRegistry::InMemory(
 std::size_t SessionRegistry::in_memory() const {
   const MutexLock lock(&mutex_);
   return sessions_.size();
+}
+
+std::size_t SessionRegistry::bytes() const {
+  const MutexLock lock(&mutex_);
+  std::size_t bytes = 0;
+  for (const auto& [key, session] : sessions_) bytes += BytesOf(*session->record());
+  return bytes;
 }
 
 void SessionRegistry::Drop(const Held&, const Found& session) {
@@ -147,13 +155,14 @@ Result<SessionRegistry::Found> SessionRegistry::Load(const Held& held, const sto
     }
     return Fail(NotFound("session", key.id));
   }
+  auto room = memory_.Hold(key.owner, BytesOf(*loaded));
   if (session) {
-    session->Reload(*std::move(loaded));
+    session->Reload(*std::move(loaded), std::move(room));
     return session;
   }
   session =
       std::make_shared<Session>(std::make_shared<const store::SessionRecord>(*std::move(loaded)),
-                                clock_.SteadyNow() + (expires - now), clock_);
+                                std::move(room), clock_.SteadyNow() + (expires - now), clock_);
   const MutexLock lock(&mutex_);
   return sessions_.emplace(key, std::move(session)).first->second;
 }
@@ -191,7 +200,8 @@ Result<SessionView> SessionRegistry::Create(const Held& held, const Caller& call
     return Fail(FaultKind::kStoreUnavailable,
                 fmt::format("Another server takes the session id {} just now.", Quote(key.id)));
   }
-  auto session = std::make_shared<Session>(record, clock_.SteadyNow() + record->ttl, clock_);
+  auto session = std::make_shared<Session>(record, memory_.Hold(key.owner, BytesOf(*record)),
+                                           clock_.SteadyNow() + record->ttl, clock_);
   {
     const MutexLock lock(&mutex_);
     sessions_[key] = session;
@@ -252,6 +262,15 @@ Status SessionRegistry::Delete(const std::string& owner, const std::string& id) 
   return {};
 }
 
+Result<Session::Room> SessionRegistry::RoomFor(const Caller& caller,
+                                               const store::SessionRecord& before,
+                                               const store::SessionRecord& after) {
+  const std::size_t bytes = BytesOf(after);
+  // Whoever makes it smaller is not refused.
+  if (bytes <= BytesOf(before)) return memory_.Hold(before.key.owner, bytes);
+  return memory_.Reserve(caller, bytes);
+}
+
 Result<Session::Record> SessionRegistry::Change(const Caller& caller, Session& session,
                                                 const Edit& edit) {
   const Held held = locks_.Take(session.key());
@@ -262,12 +281,13 @@ Result<Session::Record> SessionRegistry::Change(const Caller& caller, Session& s
     TRY(const bool changed, edit(*after));
     if (!changed) return before;
     TRY(const OwnerQuotas::Place place, quotas_.Take(caller, Added(*before, *after)));
+    TRY(auto room, RoomFor(caller, *before, *after));
     ++after->revision;
     after->expires =
         WholeMilliseconds(std::max(before->expires, session.View().expires + kStoredLonger));
     TRY(const bool put, store_.Put(*after));
     if (put) {
-      session.Replace(after);
+      session.Replace(after, std::move(room));
       return after;
     }
     // Another process changed or removed it.
@@ -276,7 +296,8 @@ Result<Session::Record> SessionRegistry::Change(const Caller& caller, Session& s
       if (const Found ours = InMemory(session.key()); ours.get() == &session) Drop(held, ours);
       return Fail(NotFound("session", session.key().id));
     }
-    session.Reload(*std::move(now));
+    room = memory_.Hold(session.key().owner, BytesOf(*now));
+    session.Reload(*std::move(now), std::move(room));
   }
 }
 

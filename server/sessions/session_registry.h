@@ -27,7 +27,7 @@ struct SessionPage {
   std::string next_token;             // empty at the end
 };
 
-// Thread-safe. Everything but Peek may wait for the store: not for the interactive lane. An expired
+// Thread-safe. Everything but Peek and Glance may wait for the store: not for the interactive lane. An expired
 // session is gone for every caller. Every call may answer the store's faults, kStoreUnavailable and
 // kDataLoss; nothing has changed then.
 //
@@ -47,10 +47,10 @@ struct SessionPage {
 //   - mutex_ guards the map alone, for moments; no store is asked under it.
 class SessionRegistry {
  public:
-  // All outlive the registry. `released` hears the last record of every session that has ended
+  // All outlive the registry. Records count in `memory`. `released` hears the last record of every session that has ended
   // here, in the thread that ended it; it must not call the registry, except InUse.
   SessionRegistry(const Limits& limits, const runtime::Clock& clock, store::SpecStore& store,
-                  std::function<void(const store::SessionRecord&)> released);
+                  DerivedCache& memory, std::function<void(const store::SessionRecord&)> released);
 
   // Opens a session; a ttl of 0 is the default ttl. With an equal spec under the id, answers that
   // session and extends its life. Faults: kInvalidName, kInvalidOption, kAlreadyExists,
@@ -62,6 +62,10 @@ class SessionRegistry {
   Result<std::shared_ptr<Session>> Use(const std::string& owner, const std::string& id);
   // The same without asking the store: null when it would have to be asked. Never blocks.
   std::shared_ptr<Session> Peek(const std::string& owner, const std::string& id);
+  // What memory has of it, which may be out of date, its life not extended: to estimate by.
+  std::shared_ptr<const Session> Glance(const std::string& owner, const std::string& id) const {
+    return InMemory({owner, id});
+  }
 
   // What it holds, its life not extended. kNotFound.
   Result<SessionView> View(const std::string& owner, const std::string& id);
@@ -76,13 +80,15 @@ class SessionRegistry {
   // changed it; it is called again when another process was faster, and must not call the registry.
   // Returns the record in force. Faults: kNotFound when the session has ended, those of `edit`, and
   // kLimitExceeded when the caller's owner has no room for the meshes or handle sets that were
-  // added.
+  // added, or no memory for the record.
   using Edit = std::function<Result<bool>(store::SessionRecord&)>;
   Result<Session::Record> Change(const Caller& caller, Session& session, const Edit& edit);
 
   // Whether a session in memory has a mesh with this blob.
   bool InUse(const std::string& owner, const std::string& blob) const;
   std::size_t in_memory() const;
+  // What the records of these take.
+  std::size_t bytes() const;
   // Calls that wait for another call on the same session.
   std::size_t waiting() const { return locks_.waiting(); }
 
@@ -108,6 +114,9 @@ class SessionRegistry {
   Result<Found> Find(const Held& held, const store::SessionKey& key);
   Result<Found> Load(const Held& held, const store::SessionKey& key, Found session);
   Result<SessionView> Create(const Held& held, const Caller& caller, const SessionSpec& spec);
+  // Memory for a record that is about to take the place of another.
+  Result<Session::Room> RoomFor(const Caller& caller, const store::SessionRecord& before,
+                                const store::SessionRecord& after);
   // Takes it out of memory and ends it; harmless when it is not there any more.
   void Drop(const Held& held, const Found& session);
   // Drops a session that has expired here, and removes it from the store unless another process has
@@ -121,6 +130,7 @@ class SessionRegistry {
   const Limits& limits_;
   const runtime::Clock& clock_;
   store::SpecStore& store_;
+  DerivedCache& memory_;
   const std::function<void(const store::SessionRecord&)> released_;
   SessionLocks locks_;
   OwnerQuotas quotas_;

@@ -22,7 +22,7 @@ Workshop::Workshop(const Limits& the_limits, const runtime::Clock& the_clock,
       stores(store::Measured(std::move(the_stores), metrics)),
       derived(limits.max_bytes, {limits.max_cached_surfaces, limits.max_cached_surface_bytes},
               clock),
-      sessions(limits, clock, *stores.specs,
+      sessions(limits, clock, *stores.specs, derived,
                [this](const store::SessionRecord& record) { Release(record); }) {
   derived.Listen(
       {[this](DerivedKind kind, bool hit) {

@@ -1,64 +1,82 @@
 #include "server/streams/admission.h"
 
-#include <algorithm>
+#include <set>
+#include <string_view>
 
 #include <fmt/format.h>
 
 namespace arap::app {
-namespace {
 
-// Samples closer than this say nothing.
-constexpr std::chrono::milliseconds kApart{50};
-// Below it the lane counts as idle.
-constexpr double kIdle = 0.05;
-
-// Of one frame, measured with script/bench (docs/operations.md), rounded up.
-constexpr double kFrameSeconds = 5e-5;
-constexpr double kVertexSeconds = 1.5e-7;
-
-}  // namespace
-
-void LoadGuard::Measure(Seconds busy, Time now) {
-  if (samples_.empty() || now - samples_.back().time >= kApart) samples_.push_back({now, busy});
-  // The last sample that is old enough stays: what has happened since is measured.
-  while (samples_.size() > 2 && now - samples_[1].time >= kWindow) samples_.pop_front();
-  const double passed = Seconds(now - samples_.front().time).count();
-  const double worked = (busy - samples_.front().busy).count();
-  measured_ = passed > 0 ? std::clamp(worked / (passed * workers_), 0.0, 1.0) : 0;
+void Admission::DropSleepersLocked(Time now) {
+  std::erase_if(awake_, [now](const auto& each) { return now - each.second.last >= kAwake; });
 }
 
-void LoadGuard::Look(Seconds busy, Time now) {
-  const MutexLock lock(&mutex_);
-  Measure(busy, now);
-}
-
-Status LoadGuard::Admit(double share, Seconds busy, Time now) {
-  const MutexLock lock(&mutex_);
-  Measure(busy, now);
-  while (!newcomers_.empty() && now - newcomers_.front().time >= kWindow) newcomers_.pop_front();
-  double load = measured_;
-  for (const Newcomer& one : newcomers_) load += one.share / workers_;
-  const double wanted = load + share / workers_;
-  if (limit_ > 0 && wanted > limit_ && load > kIdle) {
-    Fault fault(FaultKind::kLimitExceeded,
-                fmt::format("The frames of the open streams take {:.0f} % of the workers' time; "
-                            "this one would bring it above max_stream_load of {:.0f} %.",
-                            100 * load, 100 * limit_));
-    fault.Detail("quota", "max_stream_load").Detail("limit", limit_);
-    return Fail(fault.Detail("load", fmt::format("{:.3f}", load)));
+Status Admission::FitsLocked(const std::string& owner, double share) const {
+  if (capacity_ <= 0) return {};
+  double all = 0;
+  double own = 0;
+  bool only = true;
+  std::set<std::string_view> owners{owner};
+  for (const auto& [stream, awake] : awake_) {
+    all += awake.share;
+    owners.insert(awake.owner);
+    if (awake.owner != owner) continue;
+    own += awake.share;
+    only = false;
   }
-  newcomers_.push_back({now, share});
+  const double part = capacity_ / static_cast<double>(owners.size());
+  const double room = std::max(capacity_ - all, part - own);
+  if (only || share <= room) return {};
+  const double fits = std::max(room, 0.0) / kFloorFps * 1e3;
+  return Fail(
+      Fault(FaultKind::kLimitExceeded,
+            fmt::format("The streams that are awake are entitled to {:.2f} of the {:.2f} workers "
+                        "that max_stream_load gives them, {:.2f} of that is yours; at {:g} frames "
+                        "a second a stream fits now whose frames take at most {:.2f} ms, and the "
+                        "frames of this one take {:.2f} ms.",
+                        all, capacity_, own, kFloorFps, fits, share / kFloorFps * 1e3))
+          .Detail("quota", "max_stream_load")
+          .Detail("limit", fmt::format("{:.3f}", capacity_))
+          .Detail("load", fmt::format("{:.3f}", all))
+          .Detail("load_of_owner", fmt::format("{:.3f}", own))
+          .Detail("floor_fps", kFloorFps)
+          .Detail("fits_frame_ms", fmt::format("{:.3f}", fits)));
+}
+
+Status Admission::MayOpen(const std::string& owner, double share, Time now) {
+  const MutexLock lock(&mutex_);
+  DropSleepersLocked(now);
+  return FitsLocked(owner, share);
+}
+
+Status Admission::WakeUp(Stream stream, const std::string& owner, double share, Time now) {
+  const MutexLock lock(&mutex_);
+  DropSleepersLocked(now);
+  awake_.erase(stream);
+  if (auto fits = FitsLocked(owner, share); !fits) return fits;
+  awake_[stream] = {owner, share, now};
   return {};
 }
 
-double LoadGuard::Measured() const {
+void Admission::StaysAwake(Stream stream, double share, Time now) {
   const MutexLock lock(&mutex_);
-  return measured_;
+  const auto found = awake_.find(stream);
+  if (found == awake_.end()) return;
+  found->second.share = share;
+  found->second.last = now;
 }
 
-double FrameSeconds(std::size_t vertices, std::size_t refine) {
-  return kFrameSeconds +
-         kVertexSeconds * static_cast<double>(vertices) * static_cast<double>(1 + refine);
+void Admission::Leave(Stream stream) {
+  const MutexLock lock(&mutex_);
+  awake_.erase(stream);
+}
+
+double Admission::Entitled(Time now) {
+  const MutexLock lock(&mutex_);
+  DropSleepersLocked(now);
+  double all = 0;
+  for (const auto& [stream, awake] : awake_) all += awake.share;
+  return all;
 }
 
 }  // namespace arap::app

@@ -1,11 +1,13 @@
-// Admission: no stream makes the frames of the others late. LoadGuard knows the load of the server,
-// StreamPace what one stream adds to it; a TokenBucket bounds how often it is updated.
+// Admission: no stream makes the frames of the others late. Admission knows which streams are awake
+// and what each is entitled to, StreamPace what one stream asks for; a TokenBucket bounds how often
+// it is updated.
 #pragma once
 
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
-#include <deque>
+#include <map>
+#include <string>
 
 #include "arap/base/result.h"
 #include "core/base/mutex.h"
@@ -13,75 +15,76 @@
 
 namespace arap::app {
 
-// Thread-safe. The load is the part of the interactive lane's time that frames take: measured over
-// the last second or so, and for streams that are younger than that what they are expected to take.
-class LoadGuard {
+// What every stream that is let in is promised: so many frames a second, or as many as it asks for
+// when that is less. Whoever asks for more gets it while there is time, and has no claim to it.
+inline constexpr double kFloorFps = 30;
+
+// Frames that are expected to take longer go to the lane of jobs and are promised nothing.
+inline constexpr double kLongFrameSeconds = 0.033;
+
+// A stream is awake from an update on until none has come for so long.
+inline constexpr std::chrono::milliseconds kAwake{1'500};
+
+// Thread-safe. Streams that are awake are entitled to the time that their frames take at kFloorFps
+// at most, whatever they ask for: greed is no load. Those that sleep or have only been opened are
+// entitled to nothing. A newcomer is refused only when
+//   - all together would be entitled to more than there is, and
+//   - its owner's would be entitled to more than an equal part, and it is not its owner's only one.
+// So no owner keeps another one out.
+class Admission {
  public:
-  using Time = std::chrono::steady_clock::time_point;
-  using Seconds = std::chrono::duration<double>;
+  using Time = runtime::Clock::Steady;
+  // A stream, by an address of its own.
+  using Stream = const void*;
 
-  // Nobody is refused with a `limit` of 0.
-  LoadGuard(double limit, double workers) : limit_(limit), workers_(workers) {}
+  // There is the part `limit` of the time of `workers`. Nobody is refused with a limit of 0.
+  Admission(double limit, double workers) : capacity_(limit * workers) {}
 
-  // Asks for a stream that opens or wakes up (StreamPace) and whose frames are expected to keep
-  // one worker busy for `share` of the time. `busy` is what all workers have worked since the
-  // start. kLimitExceeded with "max_stream_load"; on an idle server everything is admitted, however
-  // large.
-  Status Admit(double share, Seconds busy, Time now);
+  // Whether a stream of `owner` that is entitled to `share` of a worker would be let in if it woke
+  // up now. kLimitExceeded with "max_stream_load", and what would fit.
+  Status MayOpen(const std::string& owner, double share, Time now);
+  // The same for one that wakes up: it counts from now on.
+  Status WakeUp(Stream stream, const std::string& owner, double share, Time now);
+  // It is still awake. To be told every kAwake / 3 or so.
+  void StaysAwake(Stream stream, double share, Time now);
+  void Leave(Stream stream);
 
-  // Looks at the load. To be called every second or so: between two looks there is only an average.
-  void Look(Seconds busy, Time now);
-
-  // The measured part, 0 to 1.
-  double Measured() const;
-
-  // How long a new stream counts with what is expected of it, and how long is measured.
-  static constexpr std::chrono::milliseconds kWindow{1'500};
+  // What those that are awake are entitled to, in workers.
+  double Entitled(Time now);
 
  private:
-  struct Sample {
-    Time time;
-    Seconds busy{};
-  };
-  struct Newcomer {
-    Time time;
+  struct Awake {
+    std::string owner;
     double share = 0;
+    Time last;
   };
 
-  void Measure(Seconds busy, Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void DropSleepersLocked(Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  Status FitsLocked(const std::string& owner, double share) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
-  const double limit_;
-  const double workers_;
-  mutable Mutex mutex_;
-  std::deque<Sample> samples_ ABSL_GUARDED_BY(mutex_);
-  std::deque<Newcomer> newcomers_ ABSL_GUARDED_BY(mutex_);
-  double measured_ ABSL_GUARDED_BY(mutex_) = 0;
+  const double capacity_;
+  Mutex mutex_;
+  std::map<Stream, Awake> awake_ ABSL_GUARDED_BY(mutex_);
 };
 
-// What one frame takes of a worker on a mesh of `vertices`, with `refine` iterations, in seconds.
-double FrameSeconds(std::size_t vertices, std::size_t refine);
-
-// Not thread-safe. A stream is awake from an update on until none has come for LoadGuard::kWindow.
-// Asleep it does not count in the load, so it has to be admitted again when it wakes up: it may
-// have been opened when there was room, and wake up with a thousand others.
+// Not thread-safe. How often a stream is updated and what its frames take.
 class StreamPace {
  public:
-  using Time = LoadGuard::Time;
+  using Time = Admission::Time;
 
-  // Of a stream that opens now.
-  StreamPace(double frame_seconds, Time now)
-      : frame_seconds_(frame_seconds), began_(now), last_(now) {}
+  // Of a stream that opens, with frames that are expected to take so long.
+  explicit StreamPace(double frame_seconds) : frame_seconds_(frame_seconds) {}
 
-  bool Asleep(Time now) const { return now - last_ >= LoadGuard::kWindow; }
+  bool Asleep(Time now) const { return updates_ == 0 || now - last_ >= kAwake; }
+  double frame_seconds() const { return frame_seconds_; }
+  bool LongFrames() const { return frame_seconds_ > kLongFrameSeconds; }
 
-  // The part of a worker's time that its frames are expected to take: as when it was last awake,
-  // and before its first update those of a hand that moves as fast as a screen.
+  // The part of a worker's time that it is entitled to when it is awake: at the rate of when it was
+  // last awake, and before its first update at kFloorFps.
   double Share() const {
-    constexpr double kUsualFps = 60;
-    if (updates_ == 0) return std::min(kUsualFps * frame_seconds_, 1.0);
-    const LoadGuard::Seconds awake =
-        std::max<LoadGuard::Seconds>(last_ - began_, LoadGuard::kWindow);
-    return std::min(static_cast<double>(updates_) * frame_seconds_ / awake.count(), 1.0);
+    if (LongFrames()) return 0;
+    return std::min(std::min(rate_, kFloorFps) * frame_seconds_, 1.0);
   }
 
   void Update(Time now) {
@@ -91,12 +94,24 @@ class StreamPace {
     }
     last_ = now;
     ++updates_;
+    const double awake = std::chrono::duration<double>(now - began_).count();
+    // A few of them say nothing.
+    if (awake >= kShortest) rate_ = static_cast<double>(updates_) / awake;
+  }
+
+  // A frame took so long.
+  void Took(double seconds) {
+    constexpr double kWeight = 0.2;
+    frame_seconds_ += kWeight * (seconds - frame_seconds_);
   }
 
  private:
+  static constexpr double kShortest = 0.5;
+
   double frame_seconds_;
-  Time began_;  // of being awake
-  Time last_;   // update, or the opening
+  double rate_ = kFloorFps;
+  Time began_{};  // of being awake
+  Time last_{};   // update
   std::size_t updates_ = 0;
 };
 

@@ -6,16 +6,20 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
+#include "server/budget/estimate.h"
 #include "server/budget/faults.h"
 
 namespace arap::app {
 namespace {
 
-// An edit of at most this many handles, none of them with an area, costs about as much as a few
-// updates.
+// An edit of more handles than these, or of one with an area, is a job whatever is expected of it.
 constexpr std::size_t kLightEdit = 4;
 
 Fault Protocol(const char* message) { return Fault(FaultKind::kProtocol, message); }
+
+StreamJob::Lane LaneOf(double seconds) {
+  return seconds > kLongFrameSeconds ? StreamJob::Lane::kJobs : StreamJob::Lane::kFrames;
+}
 
 StreamAnswer Shape(std::uint64_t sequence, std::unique_ptr<WireAnswer> message) {
   StreamAnswer answer;
@@ -174,8 +178,12 @@ bool StreamPolicy::TakeEdit(const StreamMessage::Edit& edit) {
   }
   StreamJob job;
   job.work = StreamJob::Work::kEdit;
-  job.lane = edit.added <= kLightEdit && !edit.has_areas ? StreamJob::Lane::kFrames
-                                                         : StreamJob::Lane::kJobs;
+  const std::size_t vertices = set_.handles->mesh()->mesh().vertices.size();
+  job.seconds =
+      EditSeconds(vertices, set_.handles->rows(), edit.has_areas ? vertices : edit.added) +
+      pace_->frame_seconds();
+  job.lane =
+      edit.added <= kLightEdit && !edit.has_areas ? LaneOf(job.seconds) : StreamJob::Lane::kJobs;
   job.sequence = edit.sequence;
   job_targets_ = set_.targets;
   job.targets = job_targets_;
@@ -195,7 +203,13 @@ Status StreamPolicy::Grant() {
   if (!rate_.Take(now)) {
     return Fail(QuotaFull("max_stream_fps", static_cast<std::size_t>(limits_.max_stream_fps)));
   }
-  if (pace_->Asleep(now)) CHECK_OK(admit_(pace_->Share()));
+  if (pace_->Asleep(now)) {
+    CHECK_OK(admit_.wake_up(pace_->Share()));
+    said_awake_ = now;
+  } else if (now - said_awake_ >= kAwake / 3) {
+    admit_.stays_awake(pace_->Share());
+    said_awake_ = now;
+  }
   pace_->Update(now);
   return {};
 }
@@ -219,9 +233,11 @@ std::optional<StreamJob> StreamPolicy::Begin() {
   if (!outbox_.empty() && !(latest_ && outbox_.replaceable())) return std::nullopt;
   StreamJob job;
   job.work = StreamJob::Work::kUpdate;
-  job.lane = StreamJob::Lane::kFrames;
   job.sequence = next_->sequence;
   job.picks = std::move(next_->picks);
+  const std::size_t vertices = set_.handles->mesh()->mesh().vertices.size();
+  job.seconds = pace_->frame_seconds() + PickSeconds(vertices, job.picks.size());
+  job.lane = LaneOf(job.seconds);
   job.waiting = next_->waiting;
   job_targets_ = set_.targets;
   job.targets = job_targets_;
@@ -248,8 +264,8 @@ void StreamPolicy::Refuse(std::uint64_t sequence, Fault fault) {
 void StreamPolicy::NoRoom() { Failed(Overloaded()); }
 
 Status StreamPolicy::AdmitFrames(double frame_seconds) {
-  pace_.emplace(frame_seconds, clock_.SteadyNow());
-  return admit_(pace_->Share());
+  pace_.emplace(frame_seconds);
+  return admit_.may_open(pace_->Share());
 }
 
 void StreamPolicy::Opened(LiveHandles set, bool latest, Touch touch,

@@ -17,9 +17,10 @@
 //     they rest. A refused one moves nothing. Targets given as positions leave the angles and
 //     scales of oriented handles as they are.
 //   - An edit changes the set of this stream only; nothing else is taken until it is done.
-//   - At most max_stream_fps updates a second are taken after a burst of as many, and a stream that
-//     wakes up is admitted again (admission.h). What is too much waits as long as answers are under
-//     way, and is refused when there are none.
+//   - At most max_stream_fps updates a second are taken after a burst of as many, and a stream is
+//     admitted with its first update and whenever it wakes up (admission.h). What is too much waits
+//     as long as answers are under way, and is refused when there are none.
+//   - What is expected to take long is a job.
 //   - Updates and edits extend the life of the session; when that is over, the stream ends.
 //   - Nothing read for max_stream_idle ends the stream.
 //   - Once it ends nothing is taken or started. The job in work is waited for and what was computed
@@ -78,11 +79,12 @@ struct StreamJob {     // run this job, and tell how it ended; there is no other
   enum class Work { kOpen, kUpdate, kEdit };
   enum class Lane {
     kControl,  // may wait for the store
-    kFrames,   // frames, and edits that cost about as much; never refused for a full queue
-    kJobs,     // what takes longer
+    kFrames,   // frames, and edits that cost about as much
+    kJobs,     // what takes longer than kLongFrameSeconds
   };
   Work work = Work::kOpen;
   Lane lane = Lane::kControl;
+  double seconds = 0;               // that it is expected to take
   std::uint64_t sequence = 0;       // kUpdate, kEdit
   std::span<const Target> targets;  // kUpdate: to go to; kEdit: the last ones. Until the job ends.
   std::vector<Complex> picks;       // kUpdate
@@ -110,8 +112,12 @@ class StreamPolicy {
     std::uint64_t replaced = 0;
     std::uint64_t errors = 0;
   };
-  // Whether there is time for frames that take this part of a worker (LoadGuard::Admit).
-  using Admit = std::function<Status(double share)>;
+  // What admission says of frames that take this part of a worker (admission.h).
+  struct Admit {
+    std::function<Status(double share)> may_open;
+    std::function<Status(double share)> wake_up;
+    std::function<void(double share)> stays_awake;
+  };
   // Extends the life of the session, or says that it is over (Session::Touch).
   using Touch = std::function<Status()>;
 
@@ -135,8 +141,11 @@ class StreamPolicy {
   void Moved(std::unique_ptr<WireAnswer> shape);
   void Edited(LiveHandles set, std::unique_ptr<WireAnswer> shape);
   void Failed(Fault fault);  // an open ends the stream, the others are answered
-  // Before Opened: whether the stream may join those that are open.
+  // Before Opened: whether the stream could join those that are awake, with frames that are expected
+  // to take so long.
   Status AdmitFrames(double frame_seconds);
+  // Before Moved: what the frame took.
+  void FrameTook(double seconds) { pace_->Took(seconds); }
 
   StreamStep Next();
 
@@ -180,7 +189,8 @@ class StreamPolicy {
   bool reads_done_ = false;
   runtime::Clock::Steady heard_;  // when the client last said something
   TokenBucket rate_;
-  std::optional<StreamPace> pace_;  // since it was opened
+  std::optional<StreamPace> pace_;     // since it was opened
+  runtime::Clock::Steady said_awake_;  // when admission last heard of it
 
   bool opened_ = false;  // an open was taken
   bool latest_ = true;

@@ -23,6 +23,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::chrono::seconds kPatience{60};
+constexpr auto kReady = std::future_status::ready;
 
 // Keeps one worker busy until opened.
 class Blocker {
@@ -65,21 +66,115 @@ TEST(WorkerPoolTest, RefusesWhatDoesNotFit) {
   EXPECT_EQ(runs, 3);
 }
 
-TEST(WorkerPoolTest, UrgentJobsComeFirstAndFindRoom) {
-  WorkerPool pool(1, 2);
+TEST(WorkerPoolTest, OwnersTakeTurns) {
+  WorkerPool pool(1, 4);
   Blocker blocker(pool);
   std::string order;
-  EXPECT_TRUE(pool.TryPost([&] { order += "a"; }));
-  EXPECT_TRUE(pool.PostUrgent([&] { order += "1"; }));
-  EXPECT_TRUE(pool.TryPost([&] { order += "b"; }));
-  EXPECT_FALSE(pool.TryPost([] {}));
-  EXPECT_TRUE(pool.PostUrgent([&] { order += "2"; }));
-  EXPECT_EQ(pool.waiting(), 4u);
+  const auto post = [&](const char* job, const char* owner, std::uint64_t flow = 0) {
+    return pool.TryPost([&order, job] { order += job; }, {owner, flow, 1});
+  };
+  EXPECT_TRUE(post("1", "ann"));
+  EXPECT_TRUE(post("2", "ann"));
+  EXPECT_TRUE(post("3", "ann"));
+  EXPECT_TRUE(post("4", "ann"));
+  EXPECT_FALSE(post("5", "ann"));
+  EXPECT_EQ(pool.OutlookOf("ann").place, 4u);
+  EXPECT_GT(pool.OutlookOf("ann").wait, std::chrono::seconds(3));
+  EXPECT_EQ(pool.OutlookOf("ben").place, 0u);
+  EXPECT_TRUE(post("b", "ben")) << "there is room for another owner";
+  EXPECT_TRUE(pool.Continue([&] { order += "s"; }, {"ann", 7, 1}));
+  EXPECT_EQ(pool.waiting(), 6u);
   EXPECT_GT(pool.stats().oldest_waiting.count(), 0);
   blocker.Open();
   pool.Stop();
-  EXPECT_EQ(order, "12ab");
-  EXPECT_FALSE(pool.PostUrgent([] {}));
+  EXPECT_EQ(order, "1bs234") << "ben's only call and ann's stream do not wait for all of ann's";
+  EXPECT_FALSE(pool.Continue([] {}));
+}
+
+TEST(WorkerPoolTest, ShortJobsHaveAPlaceOfTheirOwn) {
+  PoolOptions options{"jobs", 1, 10};
+  options.short_seconds = 0.05;
+  WorkerPool pool(options);
+  EXPECT_EQ(pool.threads(), 2u);
+  std::promise<void> open;
+  const auto wait = [&open] { EXPECT_EQ(open.get_future().wait_for(kPatience), kReady); };
+  EXPECT_TRUE(pool.TryPost(wait, {"ann", 0, 60}));
+  std::promise<void> done;
+  EXPECT_TRUE(pool.TryPost([] {}, {"ann", 0, 60})) << "waits";
+  EXPECT_TRUE(pool.TryPost([&done] { done.set_value(); }, {"ann", 0, 0.01}));
+  EXPECT_EQ(done.get_future().wait_for(kPatience), kReady) << "the short one waits for the long";
+  open.set_value();
+}
+
+// Goes on, step by step, until it is told to end.
+void Work(std::atomic<bool>& over) {
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (!over && std::chrono::steady_clock::now() < end) GiveWay();
+  EXPECT_TRUE(over) << "nobody ends it";
+}
+
+TEST(WorkerPoolTest, LongJobsTakeTurns) {
+  PoolOptions options{"jobs", 1, 10};
+  options.aside = 2;
+  WorkerPool pool(options);
+  EXPECT_EQ(pool.threads(), 1u);
+  std::atomic<bool> over = false;
+  std::atomic<int> at_once = 0;
+  EXPECT_TRUE(pool.TryPost([&] { Work(over); }, {"ann", 0, 60}));
+  for (const char* owner : {"ben", "cas", "ben"}) {
+    std::promise<void> done;
+    const auto job = [&] {
+      EXPECT_EQ(++at_once, 1);
+      EXPECT_EQ(pool.stats().running, 1u) << "the long one stands aside";
+      --at_once;
+      done.set_value();
+    };
+    EXPECT_TRUE(pool.TryPost(job, {owner, 0, 1}));
+    EXPECT_EQ(done.get_future().wait_for(kPatience), kReady) << owner;
+  }
+  std::promise<void> done;
+  EXPECT_TRUE(pool.TryPost([&done] { done.set_value(); }, {"ann", 0, 1}));
+  EXPECT_EQ(done.get_future().wait_for(kPatience), kReady) << "a shorter one of the same owner";
+  over = true;
+  pool.Stop();
+  EXPECT_EQ(pool.stats().completed, 5u);
+}
+
+TEST(WorkerPoolTest, WhatTurnsOutLongLeavesThePlaceOfTheShort) {
+  PoolOptions options{"jobs", 1, 10};
+  options.short_seconds = 0.05;
+  options.aside = 2;
+  WorkerPool pool(options);
+  std::atomic<bool> over = false;
+  EXPECT_TRUE(pool.TryPost([&] { Work(over); }, {"ann", 0, 60}));
+  EXPECT_TRUE(pool.TryPost([&] { Work(over); }, {"ann", 0, 0.01}));
+  for (int i = 0; i < 3; ++i) {
+    std::promise<void> done;
+    EXPECT_TRUE(pool.TryPost([&done] { done.set_value(); }, {"ann", 0, 0.01}));
+    EXPECT_EQ(done.get_future().wait_for(kPatience), kReady) << i;
+  }
+  over = true;
+}
+
+TEST(WorkerPoolTest, StopWaitsForThoseAside) {
+  std::atomic<int> ended = 0;
+  {
+    PoolOptions options{"jobs", 1, 10};
+    options.aside = 4;
+    WorkerPool pool(options);
+    std::atomic<bool> over = false;
+    for (const char* owner : {"ann", "ben", "cas"}) {
+      EXPECT_TRUE(pool.TryPost(
+          [&] {
+            Work(over);
+            ++ended;
+          },
+          {owner, 0, 60}));
+    }
+    EXPECT_TRUE(pool.TryPost([&over] { over = true; }, {"dan", 0, 1}));
+    pool.Stop();
+  }
+  EXPECT_EQ(ended, 3);
 }
 
 TEST(WorkerPoolTest, ThreadsWorkAtTheSameTime) {

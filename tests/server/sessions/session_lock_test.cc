@@ -41,7 +41,7 @@ class SessionLockTest : public ::testing::Test {
   }
   // As a process before this one has left it: stored, but not in memory.
   void Store(const Caller& caller) {
-    SessionRegistry before(limits_, clock_, store_, [](const store::SessionRecord&) {});
+    SessionRegistry before(limits_, clock_, store_, memory_, [](const store::SessionRecord&) {});
     ASSERT_TRUE(before.Create(caller, {kId, minutes(60), {}}));
   }
   Result<Session::Record> AddMesh(const Caller& caller, const std::string& id,
@@ -69,7 +69,8 @@ class SessionLockTest : public ::testing::Test {
   const Limits limits_{};
   runtime::FakeClock clock_;
   GatedStore store_;
-  SessionRegistry sessions_{limits_, clock_, store_, [](const store::SessionRecord&) {}};
+  DerivedCache memory_{limits_.max_bytes, {}, clock_};
+  SessionRegistry sessions_{limits_, clock_, store_, memory_, [](const store::SessionRecord&) {}};
 };
 
 TEST_F(SessionLockTest, DeletedWhileItIsLoadedItStaysAway) {

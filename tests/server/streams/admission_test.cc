@@ -10,89 +10,102 @@ namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-using Busy = LoadGuard::Seconds;
+const Admission::Time kStart{seconds(1'000)};
 
-const LoadGuard::Time kStart{seconds(1'000)};
+// Streams by the address of a number.
+struct Streams {
+  const int ids[2'000] = {};
+  Admission::Stream operator[](std::size_t i) const { return &ids[i]; }
+} const stream;
 
-TEST(LoadGuardTest, NewcomersCountUntilTheyAreMeasured) {
-  LoadGuard guard(0.5, 2);
-  EXPECT_TRUE(guard.Admit(0.4, Busy(0), kStart));
-  EXPECT_TRUE(guard.Admit(0.4, Busy(0), kStart));
-  const auto refused = guard.Admit(0.4, Busy(0), kStart);
+TEST(AdmissionTest, RefusesOnlyWhatIsNotThereAndSaysWhatWouldFit) {
+  Admission admission(0.5, 2);
+  EXPECT_TRUE(admission.WakeUp(stream[0], "ann", 0.4, kStart));
+  EXPECT_TRUE(admission.WakeUp(stream[1], "ann", 0.4, kStart));
+  const auto refused = admission.WakeUp(stream[2], "ann", 0.4, kStart);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, FaultKind::kLimitExceeded);
-  EXPECT_EQ(refused.error().details.front().second, "max_stream_load");
-  // They turn out to do nothing.
-  EXPECT_TRUE(guard.Admit(0.4, Busy(0), kStart + LoadGuard::kWindow));
+  EXPECT_EQ(DetailOf(refused.error(), "quota"), "max_stream_load");
+  EXPECT_EQ(DetailOf(refused.error(), "floor_fps"), "30");
+  EXPECT_EQ(DetailOf(refused.error(), "load"), "0.800");
+  EXPECT_EQ(DetailOf(refused.error(), "fits_frame_ms"), "6.667");
+  EXPECT_NEAR(admission.Entitled(kStart), 0.8, 1e-9) << "who is refused does not count";
+  EXPECT_TRUE(admission.WakeUp(stream[2], "ann", 0.0066 * kFloorFps, kStart));
 }
 
-TEST(LoadGuardTest, MeasuredLoadRefusesAndItsEndAdmits) {
-  LoadGuard guard(0.5, 2);
-  ASSERT_TRUE(guard.Admit(0.1, Busy(0), kStart));
-  // 1.2 of 2 workers for four seconds.
-  Busy busy(0);
-  LoadGuard::Time now = kStart;
-  for (int i = 0; i < 40; ++i) {
-    now += milliseconds(100);
-    busy += Busy(0.12);
-    const bool admitted = guard.Admit(0.01, busy, now).has_value();
-    if (i > 20) {
-      EXPECT_FALSE(admitted) << i;
-    }
+TEST(AdmissionTest, OpeningCountsNothing) {
+  Admission admission(0.5, 2);
+  for (std::size_t i = 0; i < 100; ++i) EXPECT_TRUE(admission.MayOpen("ann", 0.9, kStart));
+  EXPECT_TRUE(admission.MayOpen("ben", 0.9, kStart));
+  EXPECT_EQ(admission.Entitled(kStart), 0);
+}
+
+TEST(AdmissionTest, SleepersAndThoseThatLeaveCountNothing) {
+  Admission admission(0.5, 2);
+  ASSERT_TRUE(admission.WakeUp(stream[0], "ann", 0.9, kStart));
+  EXPECT_FALSE(admission.MayOpen("ann", 0.9, kStart + milliseconds(1'499)));
+  EXPECT_TRUE(admission.MayOpen("ann", 0.9, kStart + kAwake));
+  ASSERT_TRUE(admission.WakeUp(stream[0], "ann", 0.9, kStart + kAwake));
+  admission.StaysAwake(stream[0], 0.8, kStart + 2 * kAwake - milliseconds(1));
+  EXPECT_NEAR(admission.Entitled(kStart + 2 * kAwake), 0.8, 1e-9);
+  admission.Leave(stream[0]);
+  EXPECT_TRUE(admission.MayOpen("ann", 0.9, kStart + 2 * kAwake));
+}
+
+TEST(AdmissionTest, NoOwnerKeepsAnotherOut) {
+  Admission admission(0.5, 2);
+  std::size_t next = 0;
+  while (admission.WakeUp(stream[next], "ann", 0.25, kStart)) ++next;
+  EXPECT_EQ(next, 4u);
+  ++next;
+  EXPECT_TRUE(admission.WakeUp(stream[next++], "ben", 1, kStart)) << "the only one of its owner";
+  EXPECT_FALSE(admission.MayOpen("ben", 0.01, kStart)) << "more than an equal part";
+  for (int i = 0; i < 16; ++i) {
+    EXPECT_TRUE(admission.WakeUp(stream[next++], "cas", 0.02, kStart)) << i;
   }
-  EXPECT_NEAR(guard.Measured(), 0.6, 0.01);
-  for (int i = 0; i < 20; ++i) {
-    now += milliseconds(100);
-    static_cast<void>(guard.Admit(10, busy, now));
+  EXPECT_FALSE(admission.MayOpen("ann", 0.01, kStart));
+}
+
+TEST(AdmissionTest, AnIdleServerTakesTheLargestStream) {
+  Admission admission(0.5, 1);
+  EXPECT_TRUE(admission.WakeUp(stream[0], "ann", 1, kStart));
+  EXPECT_FALSE(admission.WakeUp(stream[1], "ann", 0.01, kStart));
+}
+
+TEST(AdmissionTest, NoLimitRefusesNobody) {
+  Admission admission(0, 1);
+  for (std::size_t i = 0; i < 10; ++i) EXPECT_TRUE(admission.WakeUp(stream[i], "ann", 1, kStart));
+}
+
+TEST(StreamPaceTest, GreedIsNoLoad) {
+  StreamPace modest(1e-3);
+  StreamPace greedy(1e-3);
+  EXPECT_NEAR(modest.Share(), 0.03, 1e-9) << "nothing is known of it yet";
+  for (int i = 0; i <= 4'000; ++i) {
+    greedy.Update(kStart + i * milliseconds(1));
+    if (i % 100 == 0) modest.Update(kStart + i * milliseconds(1));
   }
-  EXPECT_LT(guard.Measured(), 0.01);
+  EXPECT_NEAR(greedy.Share(), 0.03, 1e-9);
+  EXPECT_NEAR(modest.Share(), 0.01, 1e-3) << "it asks for ten a second";
 }
 
-TEST(LoadGuardTest, WhatWasLongAgoDoesNotCount) {
-  LoadGuard guard(0.5, 1);
-  LoadGuard::Time now = kStart;
-  ASSERT_TRUE(guard.Admit(0.4, Busy(0), now));
-  // Busy for a minute in which nobody asks.
-  Busy busy(0);
-  for (int second = 0; second < 60; ++second) guard.Look(busy += seconds(1), now += seconds(1));
-  EXPECT_FALSE(guard.Admit(0.4, busy, now));
-  for (int second = 0; second < 3; ++second) guard.Look(busy, now += seconds(1));
-  EXPECT_TRUE(guard.Admit(0.4, busy, now));
-}
-
-TEST(LoadGuardTest, AnIdleServerTakesTheLargestStream) {
-  LoadGuard guard(0.5, 2);
-  EXPECT_TRUE(guard.Admit(100, Busy(0), kStart));
-  EXPECT_FALSE(guard.Admit(0.01, Busy(0), kStart));
-}
-
-TEST(LoadGuardTest, NoLimitRefusesNobody) {
-  LoadGuard guard(0, 1);
-  for (int i = 0; i < 10; ++i) EXPECT_TRUE(guard.Admit(1, Busy(0), kStart));
-}
-
-TEST(StreamPaceTest, LargerMeshesAreExpectedToCostMore) {
-  EXPECT_LT(FrameSeconds(1'000, 0), FrameSeconds(10'000, 0));
-  EXPECT_LT(FrameSeconds(10'000, 0), FrameSeconds(10'000, 3));
-  EXPECT_LT(StreamPace(FrameSeconds(10'000, 0), kStart).Share(), 1);
-  EXPECT_EQ(StreamPace(FrameSeconds(1'000'000, 100), kStart).Share(), 1)
-      << "one frame at a time is all that a stream can have";
-}
-
-TEST(StreamPaceTest, CountsAsWhenItWasLastAwake) {
-  StreamPace pace(1e-3, kStart);
-  EXPECT_NEAR(pace.Share(), 0.06, 1e-9) << "nothing is known of it yet";
+TEST(StreamPaceTest, SleepsUntilItsNextUpdate) {
+  StreamPace pace(1e-3);
+  EXPECT_TRUE(pace.Asleep(kStart)) << "it has only been opened";
+  pace.Update(kStart);
   EXPECT_FALSE(pace.Asleep(kStart + milliseconds(1'499)));
   EXPECT_TRUE(pace.Asleep(kStart + milliseconds(1'500)));
-  // 3 s at 20 updates a second.
-  LoadGuard::Time now = kStart + seconds(10);
-  for (int i = 0; i <= 60; ++i) pace.Update(now + i * milliseconds(50));
-  now += seconds(3);
-  EXPECT_NEAR(pace.Share(), 0.02, 1e-3);
-  EXPECT_FALSE(pace.Asleep(now + milliseconds(100)));
-  // One update now and then is next to nothing.
-  for (int i = 0; i < 5; ++i) pace.Update(now += seconds(2));
-  EXPECT_NEAR(pace.Share(), 1e-3 / 1.5, 1e-9);
+}
+
+TEST(StreamPaceTest, LearnsWhatItsFramesTake) {
+  StreamPace pace(1e-3);
+  for (int i = 0; i < 50; ++i) pace.Took(4e-3);
+  EXPECT_NEAR(pace.frame_seconds(), 4e-3, 1e-5);
+  EXPECT_NEAR(pace.Share(), 0.12, 1e-3);
+  EXPECT_FALSE(pace.LongFrames());
+  for (int i = 0; i < 50; ++i) pace.Took(1);
+  EXPECT_TRUE(pace.LongFrames());
+  EXPECT_EQ(pace.Share(), 0) << "they are jobs";
 }
 
 TEST(TokenBucketTest, GrantsABurstThenTheRate) {
@@ -113,15 +126,15 @@ TEST(TokenBucketTest, GrantsABurstThenTheRate) {
 
 TEST(GateTest, AdmitsSoManyAtOnce) {
   Gate gate("max_flattenings", 2);
-  auto first = gate.Enter();
-  auto second = gate.Enter();
+  auto first = gate.Enter("ann");
+  auto second = gate.Enter("ann");
   ASSERT_TRUE(first && second);
-  const auto third = gate.Enter();
+  const auto third = gate.Enter("ann");
   ASSERT_FALSE(third);
   EXPECT_EQ(third.error().details.front().second, "max_flattenings");
   EXPECT_EQ(gate.inside(), 2u);
   first->reset();
-  EXPECT_TRUE(gate.Enter());
+  EXPECT_TRUE(gate.Enter("ann"));
   EXPECT_EQ(gate.inside(), 1u) << "a pass that goes at once leaves at once";
 }
 

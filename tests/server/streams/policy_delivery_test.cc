@@ -75,8 +75,9 @@ TEST_F(PolicyTest, OpenIsAdmittedByTheLoadOfItsFrames) {
   stream_.Open();
   stream_.FinishJob();
   ExpectEnd(FaultKind::kLimitExceeded);
-  ASSERT_EQ(stream_.shares.size(), 1u);
-  EXPECT_NEAR(stream_.shares[0], 0.06, 1e-9) << "frames of a millisecond, sixty a second";
+  ASSERT_EQ(stream_.asked.size(), 1u);
+  EXPECT_EQ(stream_.asked[0].first, "open");
+  EXPECT_NEAR(stream_.asked[0].second, 0.03, 1e-9) << "frames of a millisecond, thirty a second";
 }
 
 TEST_P(DeliveryTest, SecondOpenEndsTheStream) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <limits>
+#include <string>
 
 #include "arap/core/registered_mesh.h"
 #include "tests/fuzz/bytes.h"
@@ -27,21 +28,25 @@ Handle AtVertex(const char* id, std::uint32_t vertex) {
   return handle;
 }
 
+// A grid of so many squares in each direction.
+std::shared_ptr<const RegisteredMesh> Grid(std::uint32_t squares) {
+  PlanarMesh grid;
+  for (std::uint32_t y = 0; y <= squares; ++y) {
+    for (std::uint32_t x = 0; x <= squares; ++x) grid.vertices.emplace_back(x, y);
+  }
+  for (std::uint32_t y = 0; y < squares; ++y) {
+    for (std::uint32_t x = 0; x < squares; ++x) {
+      const std::uint32_t corner = (squares + 1) * y + x;
+      const std::uint32_t above = corner + squares + 1;
+      grid.triangles.push_back({corner, corner + 1, above + 1});
+      grid.triangles.push_back({corner, above + 1, above});
+    }
+  }
+  return *RegisteredMesh::Register(std::move(grid), {});
+}
+
 std::shared_ptr<const CompiledHandles> Compile(std::vector<Handle> handles) {
-  static const std::shared_ptr<const RegisteredMesh> mesh = [] {
-    PlanarMesh square;
-    for (int y = 0; y <= 4; ++y) {
-      for (int x = 0; x <= 4; ++x) square.vertices.emplace_back(x, y);
-    }
-    for (std::uint32_t y = 0; y < 4; ++y) {
-      for (std::uint32_t x = 0; x < 4; ++x) {
-        const std::uint32_t corner = 5 * y + x;
-        square.triangles.push_back({corner, corner + 1, corner + 6});
-        square.triangles.push_back({corner, corner + 6, corner + 5});
-      }
-    }
-    return *RegisteredMesh::Register(std::move(square), {});
-  }();
+  static const std::shared_ptr<const RegisteredMesh> mesh = Grid(4);
   return *CompiledHandles::Compile(mesh, std::move(handles));
 }
 
@@ -54,6 +59,17 @@ std::shared_ptr<const CompiledHandles> ThreeCorners() {
 
 std::shared_ptr<const CompiledHandles> WithoutB() {
   static const auto set = Compile({AtVertex("a", 0), AtVertex("c", 20), AtVertex("d", 12)});
+  return set;
+}
+
+std::shared_ptr<const CompiledHandles> ManyRows() {
+  static const auto set = [] {
+    std::vector<Handle> handles;
+    for (std::uint32_t i = 0; i < 100; ++i) {
+      handles.push_back(AtVertex(("h" + std::to_string(i)).c_str(), 100 * i));
+    }
+    return *CompiledHandles::Compile(Grid(100), std::move(handles));
+  }();
   return set;
 }
 
@@ -82,7 +98,7 @@ void PolicyDriver::HalfClose() {
 void PolicyDriver::FinishJob(bool latest) {
   switch (job->work) {
     case Work::kOpen:
-      if (auto admitted = policy.AdmitFrames(1e-3); !admitted) {
+      if (auto admitted = policy.AdmitFrames(frame_seconds); !admitted) {
         policy.Failed(std::move(admitted.error()));
         break;
       }
@@ -96,6 +112,7 @@ void PolicyDriver::FinishJob(bool latest) {
           NewAnswer());
       break;
     case Work::kUpdate:
+      policy.FrameTook(frame_seconds);
       policy.Moved(NewAnswer());
       break;
     case Work::kEdit:

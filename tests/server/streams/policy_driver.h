@@ -19,6 +19,8 @@ namespace arap::testing {
 // what an edit makes of it: "b" gone, "d" added in the middle, at (2, 2).
 std::shared_ptr<const CompiledHandles> ThreeCorners();
 std::shared_ptr<const CompiledHandles> WithoutB();
+// A hundred handles on ten thousand vertices: mesh and handles are factored together.
+std::shared_ptr<const CompiledHandles> ManyRows();
 
 class PolicyDriver {
  public:
@@ -38,6 +40,8 @@ class PolicyDriver {
   }
   void Ping(std::uint64_t nonce) { Send(app::StreamMessage::Ping{nonce}); }
   void HalfClose();
+
+  double frame_seconds = 1e-3;  // when it opens, and of every frame
 
   // How the job ends: as it should, or not.
   void FinishJob(bool latest = true);
@@ -68,15 +72,17 @@ class PolicyDriver {
   bool session_over = false;
   std::optional<Fault> too_busy;  // what admission says
   int touched = 0;
-  std::vector<double> shares;  // that admission was asked for
+  // What admission was asked: "open" or "wake", with the share; and what it was told.
+  std::vector<std::pair<std::string, double>> asked;
+  std::vector<double> awake_shares;
 
   const Limits limits;
   runtime::FakeClock clock;
-  app::StreamPolicy policy{limits, clock, [this](double share) -> Status {
-                             shares.push_back(share);
-                             if (too_busy) return Fail(*too_busy);
-                             return {};
-                           }};
+  app::StreamPolicy policy{limits,
+                           clock,
+                           {[this](double share) { return Admit("open", share); },
+                            [this](double share) { return Admit("wake", share); },
+                            [this](double share) { awake_shares.push_back(share); }}};
 
  private:
   void Pump();
@@ -84,6 +90,11 @@ class PolicyDriver {
     if (!kept && broken.empty()) broken = promise;
   }
   std::unique_ptr<app::WireAnswer> NewAnswer();
+  Status Admit(const char* what, double share) {
+    asked.emplace_back(what, share);
+    if (too_busy) return Fail(*too_busy);
+    return {};
+  }
 
   std::vector<std::unique_ptr<std::vector<double>>> positions_;
 };

@@ -118,6 +118,7 @@ class BusyStream {
           {set, set->RestTargets()}, latest_, [] { return Status(); },
           std::make_unique<app::WireAnswer>());
     } else {
+      policy_.FrameTook(1e-3);
       policy_.Moved(std::make_unique<app::WireAnswer>());
     }
     Pump();
@@ -130,8 +131,10 @@ class BusyStream {
 
   Mutex mutex_;
   CondVar changed_;
-  app::StreamPolicy policy_ ABSL_GUARDED_BY(mutex_){limits_, clock_,
-                                                    [](double) { return Status(); }};
+  app::StreamPolicy policy_ ABSL_GUARDED_BY(mutex_){
+      limits_,
+      clock_,
+      {[](double) { return Status(); }, [](double) { return Status(); }, [](double) {}}};
   bool opened_ ABSL_GUARDED_BY(mutex_) = false;
   std::uint64_t sent_ ABSL_GUARDED_BY(mutex_) = 0;
   std::uint64_t answered_ ABSL_GUARDED_BY(mutex_) = 0;

@@ -10,6 +10,7 @@ namespace arap::testing {
 namespace {
 
 using std::chrono::milliseconds;
+using Lane = app::StreamJob::Lane;
 
 // Signs of life.
 
@@ -121,20 +122,63 @@ TEST_F(PolicyTest, RefusedUpdateCostsItsTokenOnce) {
 }
 
 TEST_P(DeliveryTest, WakingUpIsAdmittedAgain) {
-  ASSERT_EQ(stream_.shares.size(), 1u) << "when it opened";
+  ASSERT_EQ(stream_.asked.size(), 1u) << "when it opened";
   stream_.Update(1);
   stream_.FinishJob();
   ExpectShape(1);
-  EXPECT_EQ(stream_.shares.size(), 1u) << "awake";
-  stream_.Advance(app::LoadGuard::kWindow);
-  stream_.too_busy = Fault(FaultKind::kLimitExceeded, "Too busy.");
+  ASSERT_EQ(stream_.asked.size(), 2u) << "it counts from its first update on";
+  EXPECT_EQ(stream_.asked[1].first, "wake");
   stream_.Update(2);
-  ExpectError(2, FaultKind::kLimitExceeded);
-  EXPECT_EQ(stream_.shares.size(), 2u);
-  stream_.too_busy.reset();
+  stream_.FinishJob();
+  ExpectShape(2);
+  EXPECT_EQ(stream_.asked.size(), 2u) << "awake";
+  stream_.Advance(app::kAwake);
+  stream_.too_busy = Fault(FaultKind::kLimitExceeded, "Too busy.");
   stream_.Update(3);
-  ExpectUpdateJob(3);
-  EXPECT_EQ(stream_.shares.size(), 3u);
+  ExpectError(3, FaultKind::kLimitExceeded);
+  EXPECT_EQ(stream_.asked.size(), 3u);
+  stream_.too_busy.reset();
+  stream_.Update(4);
+  ExpectUpdateJob(4);
+  EXPECT_EQ(stream_.asked.size(), 4u);
+}
+
+TEST_P(DeliveryTest, WhileItIsAwakeItSaysSoNowAndThen) {
+  for (std::uint64_t i = 1; i <= 100; ++i) {
+    stream_.Advance(milliseconds(20));
+    stream_.Update(i);
+    stream_.FinishJob();
+    ExpectShape(i);
+  }
+  EXPECT_EQ(stream_.asked.size(), 2u);
+  EXPECT_GE(stream_.awake_shares.size(), 3u);
+  EXPECT_LE(stream_.awake_shares.size(), 5u);
+  EXPECT_NEAR(stream_.awake_shares.back(), 0.03, 1e-9) << "fifty a second is no claim";
+}
+
+TEST_P(DeliveryTest, LongFramesAreJobs) {
+  stream_.frame_seconds = 10;
+  stream_.Update(1);
+  ExpectUpdateJob(1);
+  stream_.FinishJob();
+  ExpectShape(1);
+  stream_.Update(2);
+  ASSERT_TRUE(stream_.job.has_value());
+  EXPECT_EQ(stream_.job->lane, Lane::kJobs) << "the first one took ten seconds";
+  EXPECT_GT(stream_.job->seconds, 1);
+  stream_.frame_seconds = 0;
+  for (std::uint64_t i = 2; i < 50; ++i) {
+    stream_.FinishJob();
+    ExpectShape(i);
+    stream_.Update(i + 1);
+  }
+  ExpectUpdateJob(50);
+}
+
+TEST_P(DeliveryTest, ManyPicksMakeAJob) {
+  stream_.Update(1, {}, std::vector<Complex>(1'000'000));
+  ASSERT_TRUE(stream_.job.has_value());
+  EXPECT_EQ(stream_.job->lane, Lane::kJobs);
 }
 
 // The session.

@@ -170,6 +170,16 @@ TEST_P(DeliveryTest, FewHandlesWithoutAreasAreLight) {
   EXPECT_EQ(stream_.job->lane, Lane::kJobs);
 }
 
+TEST_P(DeliveryTest, OneHandleOnALargeSetIsAJobWhenItFactorsAnew) {
+  PolicyDriver stream;
+  stream.set = ManyRows();
+  stream.OpenAndAnswer(GetParam());
+  stream.Edit(1, 1);
+  ASSERT_TRUE(stream.job.has_value());
+  EXPECT_EQ(stream.job->lane, Lane::kJobs);
+  EXPECT_GT(stream.job->seconds, app::kLongFrameSeconds);
+}
+
 TEST_P(DeliveryTest, EditThatFailsIsAnsweredAndChangesNothing) {
   stream_.Edit(1);
   stream_.FailJob(Fault(FaultKind::kUnknownHandle, "There is no such handle."));

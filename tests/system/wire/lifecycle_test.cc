@@ -61,7 +61,7 @@ TEST_F(LifecycleTest, FullQueueIsRefusedAndTriedAgain) {
     };
     {
       PoolGate gate(*lane);
-      while (lane->TryPost([] {})) {
+      while (lane->TryPost([] {}, {app::kNobody})) {
       }
       ExpectError(call(), grpc::RESOURCE_EXHAUSTED, "OVERLOADED");
     }

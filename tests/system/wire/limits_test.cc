@@ -87,6 +87,16 @@ TEST_F(LimitsTest, BytesOfAMessage) {
   EXPECT_FALSE(stream.Read().has_value());
   error = ExpectError(stream.Finish(), grpc::RESOURCE_EXHAUSTED, "LIMIT_EXCEEDED");
   EXPECT_EQ(error.metadata.at("quota"), "max_message_bytes");
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::DeformTrackRequest track;
+  track.set_session_id("s");
+  track.set_handle_set_id(std::string(2'100, 'h'));
+  const auto reader = deformation().DeformTrack(&context, track);
+  v1::DeformTrackResponse frame;
+  EXPECT_FALSE(reader->Read(&frame));
+  error = ExpectError(reader->Finish(), grpc::RESOURCE_EXHAUSTED, "LIMIT_EXCEEDED");
+  EXPECT_EQ(error.metadata.at("quota"), "max_message_bytes");
   EXPECT_EQ(Register("s", "n", Grid(20, 20)).error_code(), grpc::RESOURCE_EXHAUSTED)
       << "far beyond it is gRPC that refuses";
 }
@@ -139,30 +149,70 @@ TEST_F(LimitsTest, StreamsThatWakeUpAreAdmittedAgain) {
   options().lanes = {1, 1};
   options().limits.max_queued_jobs = 16;
   SetUpCorners();
-  DeformStream sleeper(deformation()), busy(deformation());
-  sleeper.Opened("s", "h", v1::DELIVERY_LATEST);
-  clock().Advance(seconds(2));
-  v1::StreamDeformRequest open;
-  open.mutable_open()->set_session_id("s");
-  open.mutable_open()->set_handle_set_id("h");
-  open.mutable_open()->mutable_options()->set_refine(1'000);
-  busy.Send(open);
-  ASSERT_TRUE(busy.Read()->has_opened());
+  DeformStream first(deformation()), second(deformation());
+  for (DeformStream* stream : {&first, &second}) {
+    v1::StreamDeformRequest open;
+    open.mutable_open()->set_session_id("s");
+    open.mutable_open()->set_handle_set_id("h");
+    open.mutable_open()->mutable_options()->set_refine(10);
+    stream->Send(open);
+    ASSERT_TRUE(stream->Read()->has_opened()) << "who has sent nothing is no load";
+  }
+  first.Update(1, Targets());
+  EXPECT_EQ(first.ReadShape().sequence(), 1u);
 
-  sleeper.Update(1, Targets());
-  const v1::UpdateError error = sleeper.ReadError();
+  second.Update(1, Targets());
+  const v1::UpdateError error = second.ReadError();
   EXPECT_EQ(error.sequence(), 1u);
   const auto decoded = ExpectError(error.status(), grpc::RESOURCE_EXHAUSTED, "LIMIT_EXCEEDED");
   EXPECT_EQ(decoded.metadata.at("quota"), "max_stream_load");
+  EXPECT_EQ(decoded.metadata.at("floor_fps"), "30");
+  EXPECT_FALSE(decoded.metadata.at("fits_frame_ms").empty());
   EXPECT_GT(decoded.retry_seconds, 0);
   EXPECT_NE(
       host().engine().metrics.Text().find("arapd_rejected_total{quota=\"max_stream_load\"} 1\n"),
       std::string::npos);
 
-  // The other one turns out to do nothing.
   clock().Advance(seconds(2));
-  sleeper.Update(2, Targets());
-  EXPECT_EQ(sleeper.ReadShape().sequence(), 2u);
+  second.Update(2, Targets());
+  EXPECT_EQ(second.ReadShape().sequence(), 2u) << "the first one sleeps";
+}
+
+TEST_F(LimitsTest, WhatStreamsHoldCountsInTheMemoryOfTheirOwner) {
+  SetUpCorners();
+  app::DerivedCache& memory = host().engine().derived;
+  const std::size_t before = memory.bytes_of(app::kNobody);
+  {
+    DeformStream stream(deformation());
+    stream.Opened("s", "h", v1::DELIVERY_EVERY);
+    const std::size_t open = memory.bytes_of(app::kNobody);
+    EXPECT_GT(open, before);
+    v1::StreamDeformRequest edit;
+    edit.mutable_edit()->set_sequence(1);
+    *edit.mutable_edit()->add_add() = VertexHandle("added", 12);
+    stream.Send(edit);
+    EXPECT_EQ(stream.ReadShape().sequence(), 1u);
+    EXPECT_GT(memory.bytes_of(app::kNobody), open);
+    stream.HalfClose();
+    EXPECT_FALSE(stream.Read().has_value());
+    EXPECT_TRUE(stream.Finish().ok());
+  }
+  EXPECT_TRUE(testing::Await("the stream to be gone",
+                             [&] { return memory.bytes_of(app::kNobody) == before; }));
+}
+
+TEST_F(LimitsTest, AStreamThatThereIsNoMemoryForIsRefused) {
+  SetUpCorners();
+  app::DerivedCache& memory = host().engine().derived;
+  const auto rest = memory.Hold(app::kNobody, std::size_t{4} << 30u);
+  DeformStream stream(deformation());
+  v1::StreamDeformRequest open;
+  open.mutable_open()->set_session_id("s");
+  open.mutable_open()->set_handle_set_id("h");
+  stream.Send(open);
+  EXPECT_FALSE(stream.Read().has_value());
+  const auto error = ExpectError(stream.Finish(), grpc::RESOURCE_EXHAUSTED, "LIMIT_EXCEEDED");
+  EXPECT_EQ(error.metadata.at("quota"), "max_bytes_per_owner");
 }
 
 TEST_F(LimitsTest, IdleStreamsEnd) {
@@ -178,6 +228,35 @@ TEST_F(LimitsTest, IdleStreamsEnd) {
   const auto error = ExpectError(quiet.Finish(), grpc::ABORTED, "STREAM_IDLE");
   EXPECT_EQ(error.metadata.at("limit"), "600");
   alive.Ping(2);
+}
+
+TEST_F(LimitsTest, ATrackThatNobodyReadsEnds) {
+  ASSERT_TRUE(CreateSession("s").ok());
+  ASSERT_TRUE(Register("s", "large", Grid(150, 150)).ok());
+  ASSERT_TRUE(Compile("s", "large", "h", {VertexHandle("a", 0)}).ok());
+  v1::DeformTrackRequest track;
+  track.set_session_id("s");
+  track.set_handle_set_id("h");
+  track.add_handle_ids("a");
+  for (int i = 0; i < 50; ++i) {
+    v1::TrackFrame& frame = *track.add_frames();
+    frame.add_positions(i);
+    frame.add_positions(0);
+  }
+  grpc::ClientContext context;
+  SetDeadline(context);
+  const auto reader = deformation().DeformTrack(&context, track);
+  app::Engine& engine = host().engine();
+  ASSERT_TRUE(testing::Await("the track runs", [&] { return engine.streams.count() == 1; }));
+  EXPECT_TRUE(testing::Await("the track is cut off", [&] {
+    clock().Advance(minutes(10));
+    engine.streams.Sweep(clock().SteadyNow());
+    return engine.streams.count() == 0;
+  }));
+  v1::DeformTrackResponse frame;
+  while (reader->Read(&frame)) {
+  }
+  EXPECT_EQ(reader->Finish().error_code(), grpc::CANCELLED);
 }
 
 TEST_F(LimitsTest, WhatWasEvictedIsBuiltAgainOnTheJobLane) {

@@ -14,7 +14,7 @@ TEST_F(StreamTest, FullQueueIsAnsweredInTheStream) {
   wide.set_area_radius(1.1);
   {
     PoolGate gate(host().engine().jobs);
-    while (host().engine().jobs.TryPost([] {})) {
+    while (host().engine().jobs.TryPost([] {}, {app::kNobody})) {
     }
     stream.Send(Edit(1, {}, {wide}));
     const v1::UpdateError error = stream.ReadError();
