@@ -62,6 +62,8 @@ constexpr FaultInfo kTable[] = {
      "the id is taken by something else"},
     {kProtocol, "PROTOCOL", kUnmet, kNever, "a stream message out of order"},
     {kLimitExceeded, "LIMIT_EXCEEDED", kExhausted, kQuotaRetry, "a quota of the server"},
+    {kOutOfMemory, "OUT_OF_MEMORY", kExhausted, kQuotaRetry,
+     "the machine had no memory for the work, which was undone"},
     {kOverloaded, "OVERLOADED", kExhausted, kQueueRetry, "the work queue is full: try again"},
     {kDraining, "DRAINING", kGone, kDrainRetry, "the server is going away: try another"},
     {kCancelled, "CANCELLED", StatusCode::kCancelled, kNever, "the caller gave up"},

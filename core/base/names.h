@@ -1,8 +1,10 @@
-// Names: the rule for the ids that clients choose (sessions, meshes, handle sets, handles) and for
-// the owners of tokens, and how a name of a client's is shown in a message.
+// Names in text: the rule for the ids that clients choose (sessions, meshes, handle sets, handles)
+// and for the owners of tokens, how a client's name is shown in a message, and the hexadecimal
+// digits of ids, salts and digests that machines make.
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -23,5 +25,11 @@ Status CheckName(std::string_view name, std::string field);
 
 // A client's string for a message: in quotes, cut when long, unprintable bytes replaced.
 std::string Quote(std::string_view text);
+
+// Two digits for each byte, in lower case.
+std::string Hex(std::span<const unsigned char> bytes);
+
+// Whether the text is exactly so many digits, in lower case.
+bool IsHex(std::string_view text, std::size_t digits);
 
 }  // namespace arap

@@ -5,8 +5,11 @@
 //   CHECK_OK(Validate(mesh));          // for a Status, or a Result whose value is not needed
 //
 // Not in the installed headers: macros have no namespace.
+//
+// OrOutOfMemory: a failed allocation inside a job becomes the job's fault.
 #pragma once
 
+#include <new>
 #include <utility>
 
 #include "arap/base/result.h"
@@ -25,3 +28,18 @@
     if (auto try_status = (__VA_ARGS__); !try_status)     \
       return ::arap::Fail(std::move(try_status).error()); \
   } while (false)
+
+namespace arap {
+
+// What `job` returns (a Result or a Status), or kOutOfMemory when an allocation in it failed. For
+// the edge of a job: inside, memory is not looked after, and destructors give back what was taken.
+template <class Job>
+auto OrOutOfMemory(Job job) -> decltype(job()) {
+  try {
+    return job();
+  } catch (const std::bad_alloc&) {
+    return Fail(FaultKind::kOutOfMemory, "There is not enough memory for this.");
+  }
+}
+
+}  // namespace arap

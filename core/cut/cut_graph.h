@@ -10,7 +10,7 @@
 #include "arap/base/result.h"
 #include "core/cut/cut_field.h"
 #include "core/cut/pieces.h"
-#include "core/mesh/union_find.h"
+#include "core/mesh/topology.h"
 
 namespace arap {
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/mesh/space.h"
-#include "core/mesh/union_find.h"
+#include "core/mesh/topology.h"
 
 namespace arap {
 namespace {

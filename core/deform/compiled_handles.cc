@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
-#include "core/deform/compiled_parts.h"
 #include "core/deform/direct_solver.h"
 #include "core/deform/null_space_solver.h"
 #include "core/deform/target_rows.h"

@@ -1,16 +1,67 @@
-// The tables of CompiledHandles, for this folder only.
+// The tables of CompiledHandles, and ConstraintSolver: how their rows bend a shape. For this folder
+// only.
+//
+// Two ways lead to the same minimiser [algorithm §2]: the null-space form on the mesh's own factors
+// (null_space_solver.h), cheap to compile and to edit, and a direct factorisation of mesh and
+// handles together (direct_solver.h), cheaper per frame and per handle when there are many.
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "arap/core/compiled_handles.h"
-#include "core/deform/constraint_solver.h"
 #include "core/deform/handle_index.h"
 #include "core/deform/place.h"
 #include "core/deform/roles.h"
+#include "core/energy/local_step.h"
+#include "core/sparse/factor.h"
+#include "core/sparse/saddle.h"
 
 namespace arap {
+
+// Scratch of one stream. Solvers size what they use in Prepare and allocate nothing afterwards.
+struct SolverScratch {
+  std::vector<Complex> complex_right;  // #V, direct solver only
+  Saddle<Complex>::Scratch similarity;
+  Saddle<double>::Scratch rigid_x, rigid_y;
+  Workspace workspace;
+};
+
+// Immutable, shared by threads.
+class ConstraintSolver {
+ public:
+  virtual ~ConstraintSolver() = default;
+
+  virtual void Prepare(SolverScratch& scratch) const = 0;
+
+  // Adds to `shape` what the rows ask of step 1 beyond what it has: `miss` is, per active row,
+  // target minus the place that `shape` gives it. Fault: that of a back-substitution.
+  virtual Status AddSimilarity(std::span<const Complex> miss, ShapeView shape,
+                               SolverScratch& scratch) const = 0;
+
+  // Step 2 is force → solution of rigid_factor() → AddRigid. CompleteForce adds the rows' share to
+  // the edges' force (#V×2: x, then y) and clears it where nothing moves; AddRigid adds the
+  // solution and what the rows still lack to `shape`. `solution` may be nullptr where
+  // NeedsRigidSolve says no.
+  virtual const Factor<double>& rigid_factor() const = 0;
+  virtual bool NeedsRigidSolve(bool turned) const = 0;
+  virtual void CompleteForce(std::span<const Complex> miss, std::span<double> force) const = 0;
+  virtual void AddRigid(const double* solution, std::span<const Complex> miss, ShapeView shape,
+                        SolverScratch& scratch) const = 0;
+
+  virtual std::size_t bytes() const = 0;
+};
+
+// Where `shape` has the row's point.
+inline Complex PointOf(const Row& row, ConstShapeView shape) {
+  Complex p = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    p += row.weight[k] * Complex(shape.x[row.vertex[k]], shape.y[row.vertex[k]]);
+  }
+  return p;
+}
 
 class Responses;
 

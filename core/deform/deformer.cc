@@ -81,9 +81,8 @@ class Deformer::Scratch {
     }
     const double* solution = nullptr;
     if (set_.solver->NeedsRigidSolve(turned)) {
-      const auto all = set_.solver->rigid_factor().Solve(std::span(force_).first(count * size),
-                                                         2 * count, solver_.workspace);
-      if (all.empty()) return Fail(FaultKind::kNumerical, "A back-substitution ran out of memory.");
+      TRY(const auto all, set_.solver->rigid_factor().Solve(std::span(force_).first(count * size),
+                                                            2 * count, solver_.workspace));
       solution = all.data();
     }
     for (std::size_t i = 0; i < count; ++i) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/base/try.h"
-#include "core/deform/compiled_parts.h"
 #include "core/energy/assemble.h"
 
 namespace arap {
@@ -45,8 +44,7 @@ Status MakeSchur(const Factor<Scalar>& factor, const std::vector<Row>& rows,
     const Row& row = rows[hard[static_cast<std::size_t>(j)]];
     std::fill(right.begin(), right.end(), Scalar(0));
     for (std::size_t c = 0; c < 3; ++c) right[row.vertex[c]] += row.weight[c];
-    const std::span<const Scalar> z = factor.Solve(right, 1, workspace);
-    if (z.empty()) return Fail(FaultKind::kNumerical, "A back-substitution ran out of memory.");
+    TRY(const auto z, factor.Solve(right, 1, workspace));
     std::copy(z.begin(), z.end(), responses.col(j).data());
   }
   typename Saddle<Scalar>::Matrix cz(k, k);
@@ -105,8 +103,8 @@ void DirectSolver::Prepare(SolverScratch& scratch) const {
   scratch.rigid_y.Resize(rigid_schur_.size());
 }
 
-bool DirectSolver::AddSimilarity(std::span<const Complex> miss, ShapeView shape,
-                                 SolverScratch& scratch) const {
+Status DirectSolver::AddSimilarity(std::span<const Complex> miss, ShapeView shape,
+                                   SolverScratch& scratch) const {
   const std::size_t n = mesh_->rest.size();
   std::fill(scratch.complex_right.begin(), scratch.complex_right.end(), Complex(0));
   for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -115,8 +113,7 @@ bool DirectSolver::AddSimilarity(std::span<const Complex> miss, ShapeView shape,
           MatrixWeight(rows_[i]) * rows_[i].weight[c] * miss[i];
     }
   }
-  const auto y = similarity_->Solve(scratch.complex_right, 1, scratch.workspace);
-  if (y.empty()) return false;
+  TRY(const auto y, similarity_->Solve(scratch.complex_right, 1, scratch.workspace));
   for (std::size_t v = 0; v < n; ++v) {
     shape.x[v] += y[v].real();
     shape.y[v] += y[v].imag();
@@ -137,7 +134,7 @@ bool DirectSolver::AddSimilarity(std::span<const Complex> miss, ShapeView shape,
       shape.y[v] += p.imag();
     }
   }
-  return true;
+  return {};
 }
 
 const Factor<double>& DirectSolver::rigid_factor() const { return *rigid_; }

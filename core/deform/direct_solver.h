@@ -11,12 +11,10 @@
 #include <Eigen/LU>
 
 #include "arap/base/cancel.h"
-#include "core/deform/constraint_solver.h"
+#include "core/deform/compiled_parts.h"
 #include "core/deform/registered_parts.h"
 
 namespace arap {
-
-struct CompiledHandlesParts;
 
 class DirectSolver : public ConstraintSolver {
  public:
@@ -25,8 +23,8 @@ class DirectSolver : public ConstraintSolver {
                                                               const CancelToken& cancel);
 
   void Prepare(SolverScratch& scratch) const override;
-  bool AddSimilarity(std::span<const Complex> miss, ShapeView shape,
-                     SolverScratch& scratch) const override;
+  Status AddSimilarity(std::span<const Complex> miss, ShapeView shape,
+                       SolverScratch& scratch) const override;
   const Factor<double>& rigid_factor() const override;
   bool NeedsRigidSolve(bool turned) const override;
   void CompleteForce(std::span<const Complex> miss, std::span<double> force) const override;

@@ -23,10 +23,7 @@ Status Frame::Begin(std::span<const Target> targets, SolverScratch& scratch) {
   CHECK_OK(targets_.Place(targets));
   FitBase();
   StartFromBase(false);
-  if (!set_.solver->AddSimilarity(miss_, {x(), y()}, scratch)) {
-    return Fail(FaultKind::kNumerical, "A back-substitution ran out of memory.");
-  }
-  return {};
+  return set_.solver->AddSimilarity(miss_, {x(), y()}, scratch);
 }
 
 void Frame::Force(bool turned, std::span<double> force) {

@@ -19,7 +19,8 @@ class Frame {
  public:
   explicit Frame(const CompiledHandlesParts& set);
 
-  // Checks the targets and takes step 1. Faults: those of TargetRows::Place, kNumerical.
+  // Checks the targets and takes step 1. Faults: those of TargetRows::Place and of a
+  // back-substitution.
   Status Begin(std::span<const Target> targets, SolverScratch& scratch);
 
   // The right-hand side of step 2 (#V×2: x, then y) with the rotations of the shape so far. Without

@@ -4,7 +4,6 @@
 
 #include "core/base/try.h"
 #include "core/base/wide.h"
-#include "core/deform/compiled_parts.h"
 
 namespace arap {
 namespace {
@@ -29,8 +28,7 @@ Status SolveRows(const Factor<Scalar>& factor, const std::vector<Row>& rows,
       for (std::size_t k = 0; k < 3; ++k) right[j * n + row.vertex[k]] += row.weight[k];
       for (const std::uint32_t v : grounded) right[j * n + v] = Scalar(0);
     }
-    const std::span<const Scalar> z = factor.Solve(right, count, workspace);
-    if (z.empty()) return Fail(FaultKind::kNumerical, "A back-substitution ran out of memory.");
+    TRY(const auto z, factor.Solve(right, count, workspace));
     for (std::size_t j = 0; j < count; ++j) store(begin + j, z.subspan(j * n, n));
   }
   return {};
@@ -173,8 +171,8 @@ void NullSpaceSolver::Prepare(SolverScratch& scratch) const {
   scratch.rigid_y.Resize(rigid_.size());
 }
 
-bool NullSpaceSolver::AddSimilarity(std::span<const Complex> miss, ShapeView shape,
-                                    SolverScratch& scratch) const {
+Status NullSpaceSolver::AddSimilarity(std::span<const Complex> miss, ShapeView shape,
+                                      SolverScratch& scratch) const {
   const auto k = static_cast<Eigen::Index>(rows_.size());
   for (Eigen::Index i = 0; i < k; ++i) {
     scratch.similarity.right[i] = miss[static_cast<std::size_t>(i)];
@@ -197,7 +195,7 @@ bool NullSpaceSolver::AddSimilarity(std::span<const Complex> miss, ShapeView sha
     if (i % 2 == 0) return {column.similarity_real.data(), lambda};
     return {column.similarity_imag.data(), Complex(-lambda.imag(), lambda.real())};
   });
-  return true;
+  return {};
 }
 
 const Factor<double>& NullSpaceSolver::rigid_factor() const { return *mesh_->rigid; }

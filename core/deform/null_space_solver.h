@@ -10,13 +10,10 @@
 
 #include "arap/base/cancel.h"
 #include "arap/base/result.h"
-#include "core/deform/constraint_solver.h"
-#include "core/deform/place.h"
+#include "core/deform/compiled_parts.h"
 #include "core/deform/registered_parts.h"
 
 namespace arap {
-
-struct CompiledHandlesParts;
 
 // Z = G Cᴴ: how the grounded mesh answers each constraint row. One back-substitution a row, reused
 // by every edit that keeps the row. Copies share their columns.
@@ -51,8 +48,8 @@ class NullSpaceSolver : public ConstraintSolver {
   explicit NullSpaceSolver(const CompiledHandlesParts& parts);
 
   void Prepare(SolverScratch& scratch) const override;
-  bool AddSimilarity(std::span<const Complex> miss, ShapeView shape,
-                     SolverScratch& scratch) const override;
+  Status AddSimilarity(std::span<const Complex> miss, ShapeView shape,
+                       SolverScratch& scratch) const override;
   const Factor<double>& rigid_factor() const override;
   bool NeedsRigidSolve(bool turned) const override;
   void CompleteForce(std::span<const Complex> miss, std::span<double> force) const override;

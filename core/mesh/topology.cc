@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/mesh/union_find.h"
 
 namespace arap {
 namespace {

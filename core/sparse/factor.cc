@@ -111,19 +111,29 @@ PackedFactor<Scalar> Packed(const cholmod_factor& f) {
                                static_cast<const Scalar*>(f.x), view(f.Perm, f.n)});
 }
 
-const char* StatusText(int status) {
+// What CHOLMOD's status says of the work `what` on so many unknowns.
+Fault FaultOf(int status, const char* what, std::size_t unknowns) {
+  FaultKind kind = FaultKind::kNumerical;
+  const char* text = "the factorisation failed";
   switch (status) {
     case CHOLMOD_NOT_POSDEF:
-      return "the matrix is not positive definite";
+      text = "the matrix is not positive definite";
+      break;
     case CHOLMOD_DSMALL:
-      return "the matrix is nearly singular";
+      text = "the matrix is nearly singular";
+      break;
     case CHOLMOD_OUT_OF_MEMORY:
-      return "out of memory";
+      kind = FaultKind::kOutOfMemory;
+      text = "out of memory";
+      break;
     case CHOLMOD_TOO_LARGE:
-      return "the problem is too large";
+      kind = FaultKind::kMeshTooLarge;
+      text = "the problem is too large";
+      break;
     default:
-      return "the factorisation failed";
+      break;
   }
+  return Fault(kind, fmt::format("{} {} unknowns: {}.", what, unknowns, text));
 }
 
 }  // namespace
@@ -182,8 +192,7 @@ Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<Scalar>& low
   std::vector<int> order(static_cast<std::size_t>(lower.rows()));
   const int ok = cholmod_amd(&matrix, nullptr, 0, order.data(), common.get());
   if (!ok || common.get()->status != CHOLMOD_OK) {
-    return Fail(FaultKind::kNumerical, fmt::format("Ordering {} unknowns: {}.", lower.rows(),
-                                                   StatusText(common.get()->status)));
+    return Fail(FaultOf(common.get()->status, "Ordering", order.size()));
   }
   return order;
 }
@@ -214,8 +223,7 @@ Result<std::unique_ptr<Factor<Scalar>>> Factor<Scalar>::Analyse(
   int* given = order.empty() ? nullptr : const_cast<int*>(order.data());
   data->factor = cholmod_analyze_p(&matrix, given, nullptr, 0, common);
   if (!data->factor || common->status != CHOLMOD_OK) {
-    return Fail(FaultKind::kNumerical, fmt::format("Analysing {} unknowns: {}.", lower.rows(),
-                                                   StatusText(common->status)));
+    return Fail(FaultOf(common->status, "Analysing", matrix.nrow));
   }
   std::unique_ptr<Factor> factor(new Factor(std::move(data)));
   factor->times_.analysis = timer.Lap();
@@ -230,11 +238,10 @@ Status Factor<Scalar>::Again(const Eigen::SparseMatrix<Scalar>& lower) {
   cholmod_factorize(&matrix, data_->factor, common);
   times_.numbers = timer.Lap();
   if (common->status != CHOLMOD_OK ||
-      data_->factor->minor != static_cast<std::size_t>(lower.rows()) ||
+      data_->factor->minor != matrix.nrow ||
       !HasPositivePivots(*data_->factor)) {
     const int status = common->status == CHOLMOD_OK ? CHOLMOD_NOT_POSDEF : common->status;
-    return Fail(FaultKind::kNumerical,
-                fmt::format("Factoring {} unknowns: {}.", lower.rows(), StatusText(status)));
+    return Fail(FaultOf(status, "Factoring", matrix.nrow));
   }
   if (data_->layout == FactorLayout::kPacked)
     data_->packed<Scalar>() = Packed<Scalar>(*data_->factor);
@@ -252,8 +259,9 @@ Result<std::shared_ptr<const Factor<Scalar>>> Factor<Scalar>::Make(
 }
 
 template <class Scalar>
-std::span<const Scalar> Factor<Scalar>::Solve(std::span<const Scalar> right, std::size_t columns,
-                                              Workspace& workspace) const {
+Result<std::span<const Scalar>> Factor<Scalar>::Solve(std::span<const Scalar> right,
+                                                      std::size_t columns,
+                                                      Workspace& workspace) const {
   Workspace::Data& scratch = workspace.data();
   if (const auto& packed = data_->packed<Scalar>()) {
     const std::size_t count = size() * columns, numbers = count * sizeof(Scalar) / sizeof(double);
@@ -262,7 +270,7 @@ std::span<const Scalar> Factor<Scalar>::Solve(std::span<const Scalar> right, std
     // A complex number is two doubles in a row, says the standard.
     auto* x = reinterpret_cast<Scalar*>(scratch.x.data());
     packed->Solve(right.data(), columns, x, scratch.lanes);
-    return {x, count};
+    return std::span<const Scalar>(x, count);
   }
   auto& buffers = kXtype<Scalar> == CHOLMOD_REAL ? scratch.real : scratch.complex;
   cholmod_dense view{};
@@ -275,8 +283,8 @@ std::span<const Scalar> Factor<Scalar>::Solve(std::span<const Scalar> right, std
   if (!data_->factor->is_super) RestoreShape(buffers.y, size());
   const int ok = cholmod_solve2(CHOLMOD_A, data_->factor, &view, nullptr, &buffers.x, nullptr,
                                 &buffers.y, &buffers.e, scratch.common.get());
-  if (!ok) return {};
-  return {static_cast<const Scalar*>(buffers.x->x), size() * columns};
+  if (!ok) return Fail(FaultOf(scratch.common.get()->status, "Solving for", size()));
+  return std::span(static_cast<const Scalar*>(buffers.x->x), size() * columns);
 }
 
 template <class Scalar>

@@ -51,8 +51,8 @@ class Workspace {
 };
 
 // An order of elimination with little fill for a symmetric pattern, of which `lower` (#n×#n) has
-// the lower triangle; values play no part. It also serves matrices with fewer numbers. Fault:
-// kNumerical when memory runs out.
+// the lower triangle; values play no part. It also serves matrices with fewer numbers. Faults:
+// kOutOfMemory, kMeshTooLarge.
 template <class Scalar>
 Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<Scalar>& lower);
 
@@ -61,27 +61,28 @@ template <class Scalar>
 class Factor {
  public:
   // `lower` holds the lower triangle (#n×#n). `order` is a fill-reducing permutation from another
-  // factor with a pattern around this one, or empty to find one. Fault: kNumerical when the matrix
-  // is not positive definite or memory runs out.
+  // factor with a pattern around this one, or empty to find one. Faults: kNumerical when the matrix
+  // is not positive definite; kOutOfMemory; kMeshTooLarge beyond the numbers that CHOLMOD counts.
   static Result<std::shared_ptr<const Factor>> Make(const Eigen::SparseMatrix<Scalar>& lower,
                                                     FactorLayout layout,
                                                     std::span<const int> order = {});
   ~Factor();
 
   // The half of Make that looks at the pattern alone (order, fill). Again must follow before the
-  // first Solve. Fault: kNumerical when memory runs out.
+  // first Solve. Faults: kOutOfMemory, kMeshTooLarge.
   static Result<std::unique_ptr<Factor>> Analyse(const Eigen::SparseMatrix<Scalar>& lower,
                                                  FactorLayout layout,
                                                  std::span<const int> order = {});
   // The other half: factors a matrix of the analysed pattern in place of the one before. Not
-  // thread-safe. After a fault (kNumerical: not positive definite) it must succeed once before the
-  // next Solve.
+  // thread-safe. After a fault (kNumerical: not positive definite; kOutOfMemory) it must succeed
+  // once before the next Solve.
   Status Again(const Eigen::SparseMatrix<Scalar>& lower);
 
   // Solves for `columns` right-hand sides stored one after the other (#n·columns). The answer is
-  // laid out alike, lives in the workspace, and is valid until its next use.
-  std::span<const Scalar> Solve(std::span<const Scalar> right, std::size_t columns,
-                                Workspace& workspace) const;
+  // laid out alike, lives in the workspace, and is valid until its next use. Fault: kOutOfMemory
+  // (never where the workspace has seen as many numbers before).
+  Result<std::span<const Scalar>> Solve(std::span<const Scalar> right, std::size_t columns,
+                                        Workspace& workspace) const;
 
   std::size_t size() const;
   std::span<const int> order() const;

@@ -8,7 +8,7 @@
 #include <openssl/evp.h>
 #include <openssl/rand.h>
 
-#include "core/base/hex.h"
+#include "core/base/names.h"
 
 namespace arap {
 namespace {

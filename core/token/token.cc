@@ -1,6 +1,6 @@
 #include "core/token/token.h"
 
-#include "core/base/hex.h"
+#include "core/base/names.h"
 #include "core/base/try.h"
 #include "core/token/digest.h"
 

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/base/hex.h"
 #include "core/base/names.h"
 #include "core/base/try.h"
 #include "core/token/token.h"

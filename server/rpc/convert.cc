@@ -11,7 +11,6 @@
 #include <arap/v1/flattening_service.pb.h>
 #include <fmt/format.h>
 
-#include "arap/core/depth_order.h"
 #include "arap/core/pick.h"
 #include "core/base/names.h"
 #include "core/base/try.h"

@@ -5,7 +5,6 @@
 
 #include "arap/core/compiled_handles.h"
 #include "arap/core/deformer.h"
-#include "arap/core/depth_order.h"
 #include "arap/core/pick.h"
 #include "arap/core/registered_mesh.h"
 #include "tests/fuzz/check.h"

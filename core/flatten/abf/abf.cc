@@ -225,10 +225,7 @@ Result<double> AngleSystem::Step(std::vector<TriangleAngles>& angles) {
   const Eigen::SparseMatrix<double> lower = Assemble(angles, right);
   TRY(const auto factor, Factor<double>::Make(lower, FactorLayout::kSupernodal, order_));
   order_.assign(factor->order().begin(), factor->order().end());
-  const auto lambda = factor->Solve(right, 1, workspace_);
-  if (lambda.empty()) {
-    return Fail(FaultKind::kNumerical, "A back-substitution ran out of memory.");
-  }
+  TRY(const auto lambda, factor->Solve(right, 1, workspace_));
   double largest = 0;
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     const Local local = At(t, angles[t]);

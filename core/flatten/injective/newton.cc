@@ -296,10 +296,7 @@ Result<Newton::Step> Newton::Direction(std::span<const Complex> uv, double epsil
     if (ok) break;
     if (next * kMoreShift > kLastShift) return Fail(std::move(ok.error()));
   }
-  const auto solution = factor_->Solve(gradient_, 1, workspace_);
-  if (solution.empty()) {
-    return Fail(FaultKind::kNumerical, "A back-substitution ran out of memory.");
-  }
+  TRY(const auto solution, factor_->Solve(gradient_, 1, workspace_));
   Step step{move_, 0};
   for (std::size_t i = 0; i < n; ++i) step.slope -= gradient_[i] * solution[i];
   for (std::size_t v = 0; v < move_.size(); ++v) {

@@ -108,10 +108,7 @@ Result<std::vector<Complex>> TutteEmbedding(const SurfaceMesh& mesh,
   lower.setFromTriplets(entries.begin(), entries.end());
   TRY(const auto factor, Factor<double>::Make(lower, FactorLayout::kSimplicial));
   Workspace workspace;
-  const auto solution = factor->Solve(right, 2, workspace);
-  if (solution.empty()) {
-    return Fail(FaultKind::kNumerical, "A back-substitution ran out of memory.");
-  }
+  TRY(const auto solution, factor->Solve(right, 2, workspace));
   uv.resize(vertices);
   for (std::size_t v = 0; v < vertices; ++v) uv[v] = {solution[v], solution[n + v]};
   return uv;

@@ -64,7 +64,7 @@ class GroundedSystem {
   }
 
   // `x` (#n × columns, one after the other) comes with the places of the held vertices and leaves
-  // with all; `right` alike is scratch that comes with f. kNumerical when memory runs out.
+  // with all; `right` alike is scratch that comes with f. Fault: kOutOfMemory.
   Status Solve(std::span<Scalar> right, std::size_t columns, std::span<Scalar> x,
                Workspace& workspace) const {
     const std::size_t n = fixed_.size();
@@ -74,10 +74,7 @@ class GroundedSystem {
         if (fixed_[v]) right[k * n + v] = x[k * n + v];
       }
     }
-    const auto solution = factor_->Solve(right, columns, workspace);
-    if (solution.empty()) {
-      return Fail(FaultKind::kNumerical, "A back-substitution ran out of memory.");
-    }
+    TRY(const auto solution, factor_->Solve(right, columns, workspace));
     std::copy(solution.begin(), solution.end(), x.begin());
     if (lifted_.empty()) return {};
     // (M + L) x ← f + L x rests where M x = f.

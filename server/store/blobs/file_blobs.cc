@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "core/base/files.h"
-#include "core/base/hex.h"
+#include "core/base/names.h"
 #include "core/base/try.h"
 #include "core/token/digest.h"
 #include "server/store/store.h"

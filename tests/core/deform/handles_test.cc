@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-#include "arap/core/depth_order.h"
+#include "arap/core/pick.h"
 #include "tests/core/deform/fixture.h"
 #include "tests/support/compare.h"
 #include "tests/support/meshes.h"

@@ -7,21 +7,11 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "tests/core/sparse/random.h"
 #include "tests/support/bounded.h"
 
 namespace arap::testing {
 namespace {
-
-template <class Scalar>
-Scalar Number(std::mt19937_64& random) {
-  const auto unit = [&] { return 2 * static_cast<double>(random() >> 11) * 0x1p-53 - 1; };
-  if constexpr (std::is_same_v<Scalar, double>) {
-    return unit();
-  } else {
-    const double re = unit(), im = unit();
-    return {re, im};
-  }
-}
 
 // Sparse, Hermitian, diagonally dominant.
 template <class Scalar>
@@ -61,7 +51,7 @@ TYPED_TEST(FactorTest, SolvesLikeADenseFactorisation) {
       for (auto& x : b.reshaped()) x = Number<Scalar>(random);
       const Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> expected = a.llt().solve(b);
       const auto x =
-          (*factor)->Solve({b.data(), static_cast<std::size_t>(b.size())}, columns, workspace);
+          *(*factor)->Solve({b.data(), static_cast<std::size_t>(b.size())}, columns, workspace);
       ASSERT_EQ(x.size(), static_cast<std::size_t>(b.size()));
       for (Eigen::Index i = 0; i < b.size(); ++i) {
         EXPECT_LE(std::abs(x[static_cast<std::size_t>(i)] - expected.data()[i]), 1e-13);
@@ -81,7 +71,7 @@ TYPED_TEST(FactorTest, TakesTheOrderOfAnother) {
   ASSERT_TRUE(second.has_value());
   std::vector<Scalar> b(60, Scalar(1));
   Workspace w1, w2;
-  const auto x = (*first)->Solve(b, 1, w1), y = (*second)->Solve(b, 1, w2);
+  const auto x = *(*first)->Solve(b, 1, w1), y = *(*second)->Solve(b, 1, w2);
   for (std::size_t i = 0; i < b.size(); ++i) EXPECT_LE(std::abs(x[i] - y[i]), 1e-14);
 }
 
@@ -96,14 +86,14 @@ TYPED_TEST(FactorTest, FactorsTheSamePatternAgain) {
     const std::vector<Scalar> b(90, Scalar(1));
     Workspace workspace;
     ASSERT_TRUE((*factor)->Again(lower).has_value());
-    const auto once = (*factor)->Solve(b, 1, workspace);
+    const auto once = *(*factor)->Solve(b, 1, workspace);
     const std::vector<Scalar> first(once.begin(), once.end());
     EXPECT_FALSE((*factor)->Again(-lower).has_value());  // and a failure does no lasting harm
     ASSERT_TRUE((*factor)->Again(2 * lower).has_value());
-    const auto half = (*factor)->Solve(b, 1, workspace);
+    const auto half = *(*factor)->Solve(b, 1, workspace);
     for (std::size_t i = 0; i < b.size(); ++i) EXPECT_LE(std::abs(2.0 * half[i] - first[i]), 1e-14);
     ASSERT_TRUE((*factor)->Again(lower).has_value());
-    const auto again = (*factor)->Solve(b, 1, workspace);
+    const auto again = *(*factor)->Solve(b, 1, workspace);
     for (std::size_t i = 0; i < b.size(); ++i) EXPECT_EQ(again[i], first[i]);
   }
 }
@@ -135,7 +125,7 @@ TYPED_TEST(FactorTest, IsSharedByThreadsWithEqualBytes) {
       Workspace workspace;
       const std::vector<Scalar> b(400, Scalar(1));
       for (int i = 0; i < 20; ++i) {
-        const auto x = (*factor)->Solve(b, 2, workspace);
+        const auto x = *(*factor)->Solve(b, 2, workspace);
         answer.assign(x.begin(), x.end());
       }
     });

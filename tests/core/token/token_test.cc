@@ -9,7 +9,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/base/hex.h"
 #include "core/base/names.h"
 #include "core/token/digest.h"
 #include "core/token/token_file.h"

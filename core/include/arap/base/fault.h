@@ -54,6 +54,7 @@ enum class FaultKind : std::uint8_t {
   kProtocol,
   // Resources.
   kLimitExceeded,
+  kOutOfMemory,
   kOverloaded,
   kDraining,
   kCancelled,
