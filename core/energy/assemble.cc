@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <utility>
 
 namespace arap {
 namespace {
@@ -80,9 +82,12 @@ void FillFace(const FaceTable& table, std::size_t t, Block& block) {
   }
 }
 
+std::span<const Spoke> SpokesOf(const StarTable& table, std::size_t s) {
+  return std::span(table.spokes).subspan(table.begin[s], table.begin[s + 1] - table.begin[s]);
+}
+
 void FillStar(const StarTable& table, std::size_t s, Block& block) {
-  const auto spokes =
-      std::span(table.spokes).subspan(table.begin[s], table.begin[s + 1] - table.begin[s]);
+  const auto spokes = SpokesOf(table, s);
   std::vector<std::uint32_t> ids{spokes.front().a};
   for (const Spoke& spoke : spokes) ids.push_back(spoke.b);
   block.Start(ids);
@@ -95,8 +100,39 @@ void FillStar(const StarTable& table, std::size_t s, Block& block) {
   }
 }
 
+// Stars with more spokes are not made as a block: it has k³ sums for k spokes.
+constexpr std::size_t kLargeStar = 64;
+
+// Calls add(row vertex, column vertex, value) for the lower triangle of a star's matrix, of which
+// there is a formula: Σ w |d|² − |Σ w ē d|² / Σ w |e|² for spokes e and their deformed vectors d.
+template <class Add>
+void AddLargeStar(const StarTable& table, std::size_t s, Add add) {
+  const auto spokes = SpokesOf(table, s);
+  const std::uint32_t middle = spokes.front().a;
+  double weight = 0;
+  Complex sum = 0;
+  std::vector<std::pair<std::uint32_t, Complex>> fit;  // Σ w ē d as a sum over vertices
+  for (const Spoke& spoke : spokes) {
+    const Complex g = spoke.weight * std::conj(spoke.rest);
+    fit.emplace_back(spoke.b, g);
+    sum += g;
+    weight += spoke.weight;
+    add(spoke.b, spoke.b, Complex(spoke.weight));
+    add(std::max(spoke.b, middle), std::min(spoke.b, middle), Complex(-spoke.weight));
+  }
+  fit.emplace_back(middle, -sum);
+  add(middle, middle, Complex(weight));
+  for (const auto& [p, of_p] : fit) {
+    for (const auto& [q, of_q] : fit) {
+      if (q > p) continue;
+      const Complex square = p == q ? Complex(std::norm(of_p)) : std::conj(of_p) * of_q;
+      add(p, q, square * (-1 / table.size_of[s]));
+    }
+  }
+}
+
 template <class Visit>
-void ForEachBlock(const Cells& cells, Visit visit) {
+void ForEachBlock(const Cells& cells, Visit visit, std::size_t most_spokes = SIZE_MAX) {
   Block block;
   for (std::size_t h = 0; h < cells.hinges.size(); ++h) {
     FillHinge(cells.hinges, h, block);
@@ -107,6 +143,7 @@ void ForEachBlock(const Cells& cells, Visit visit) {
     visit(block);
   }
   for (std::size_t s = 0; s < cells.stars.size(); ++s) {
+    if (SpokesOf(cells.stars, s).size() > most_spokes) continue;
     FillStar(cells.stars, s, block);
     visit(block);
   }
@@ -146,22 +183,29 @@ Eigen::SparseMatrix<Complex> AssembleSimilarity(const Cells& cells,
                                                 const std::vector<bool>& fixed) {
   std::vector<Eigen::Triplet<Complex, int>> triplets;
   triplets.reserve(cells.hinges.size() * 10 + cells.faces.size() * 6 + fixed.size());
-  ForEachBlock(cells, [&](const Block& block) {
+  const auto add = [&](std::uint32_t row, std::uint32_t column, Complex value) {
+    if (fixed[row] || fixed[column]) return;
+    triplets.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
+  };
+  const auto add_block = [&](const Block& block) {
     const auto vertices = block.vertices();
     for (std::size_t i = 0; i < vertices.size(); ++i) {
-      if (fixed[vertices[i]]) continue;
       for (std::size_t j = 0; j < vertices.size(); ++j) {
-        if (vertices[j] > vertices[i] || fixed[vertices[j]]) continue;
+        if (vertices[j] > vertices[i]) continue;
         Complex sum = 0;
         for (std::size_t r = 0; r < block.rows(); ++r) {
           const Complex *row = block.row(r), p = row[i], q = row[j];
           // |p|² on the diagonal: conj(p)·p need not be exactly real.
           sum += block.weight(r) * (i == j ? Complex(std::norm(p)) : std::conj(p) * q);
         }
-        triplets.emplace_back(static_cast<int>(vertices[i]), static_cast<int>(vertices[j]), sum);
+        add(vertices[i], vertices[j], sum);
       }
     }
-  });
+  };
+  ForEachBlock(cells, add_block, kLargeStar);
+  for (std::size_t s = 0; s < cells.stars.size(); ++s) {
+    if (SpokesOf(cells.stars, s).size() > kLargeStar) AddLargeStar(cells.stars, s, add);
+  }
   return FromTriplets(triplets, fixed);
 }
 

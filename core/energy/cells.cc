@@ -16,6 +16,15 @@ std::size_t BytesOf(const Columns&... columns) {
   return ((columns.capacity() * sizeof(columns[0])) + ...);
 }
 
+// How many spokes a weld may have before it is made of several, and then takes of each piece.
+constexpr std::size_t kWeldSpokes = 64;
+constexpr std::size_t kWeldSpokesOfAPiece = 8;
+
+// Numbers that the stars of all VERTEX cells may put into the matrix: a regular mesh has 49 for
+// every vertex, and one vertex with 2,000 edges is still good.
+constexpr std::size_t kStarNumbers = 4'000'000;
+constexpr std::size_t kStarNumbersOfAVertex = 128;
+
 double Cotangent(Complex a, Complex b) {
   const Complex z = std::conj(a) * b;
   return z.real() / z.imag();
@@ -90,15 +99,19 @@ class Builder {
   }
 
   void WeldJoints() {
-    for (const std::uint32_t joint : topology_.joints) {
-      std::vector<Spoke> spokes;
-      for (const Edge& edge : topology_.edges) {
-        const Complex rest = RestVector(edge);
-        if (edge.v0 == joint) spokes.push_back({edge.v0, edge.v1, rest, 0.5});
-        if (edge.v1 == joint) spokes.push_back({edge.v1, edge.v0, -rest, 0.5});
+    if (topology_.joints.empty()) return;
+    std::vector<std::uint32_t> number(topology_.vertex_component.size(), kNone);
+    for (std::uint32_t j = 0; j < topology_.joints.size(); ++j) number[topology_.joints[j]] = j;
+    std::vector<std::vector<PieceSpoke>> at(topology_.joints.size());
+    for (const Edge& edge : topology_.edges) {
+      const std::uint32_t piece = topology_.triangle_piece[edge.triangle[0]];
+      for (const auto& [from, to] : {std::pair(edge.v0, edge.v1), std::pair(edge.v1, edge.v0)}) {
+        if (number[from] == kNone) continue;
+        const Complex rest = from == edge.v0 ? RestVector(edge) : -RestVector(edge);
+        at[number[from]].push_back({{from, to, rest, 0.5}, piece});
       }
-      AddStar(spokes);
     }
+    for (std::vector<PieceSpoke>& spokes : at) Weld(spokes);
   }
 
   CellSystem Take() { return std::move(system_); }
@@ -126,6 +139,34 @@ class Builder {
       runs.push_back({size - 1, size - 1, component});
     }
     runs.back().end = size;
+  }
+
+  struct PieceSpoke {
+    Spoke spoke;
+    std::uint32_t piece = 0;
+  };
+
+  // The pieces round one joint share a star. A large star would be a dense block of the matrix:
+  // there every two neighbouring pieces share one, with a few spokes of each.
+  void Weld(std::vector<PieceSpoke>& spokes) {
+    std::vector<Spoke> star;
+    if (spokes.size() <= kWeldSpokes) {
+      for (const PieceSpoke& s : spokes) star.push_back(s.spoke);
+      return AddStar(star);
+    }
+    std::stable_sort(spokes.begin(), spokes.end(),
+                     [](const PieceSpoke& a, const PieceSpoke& b) { return a.piece < b.piece; });
+    std::size_t before = 0;  // spokes in `star` that are of the piece before
+    for (std::size_t begin = 0, end = 0; begin < spokes.size(); begin = end) {
+      while (end < spokes.size() && spokes[end].piece == spokes[begin].piece) ++end;
+      star.erase(star.begin(), star.begin() + static_cast<std::ptrdiff_t>(before));
+      before = star.size();
+      const std::size_t take = std::min(end - begin, kWeldSpokesOfAPiece);
+      for (std::size_t i = 0; i < take; ++i) {
+        star.push_back(spokes[begin + i * (end - begin) / take].spoke);
+      }
+      if (before > 0) AddStar(star);
+    }
   }
 
   void AddStar(const std::vector<Spoke>& star) {
@@ -200,6 +241,26 @@ class Builder {
   const std::vector<bool>& left_out_;
   CellSystem system_;
 };
+
+// A star is a dense block of the matrix: those of a mesh must not be many numbers more than it has.
+Status CheckStars(const Topology& topology) {
+  std::vector<std::size_t> spokes(topology.vertex_component.size(), 0);
+  for (const Edge& edge : topology.edges) ++spokes[edge.v0], ++spokes[edge.v1];
+  std::size_t numbers = 0;
+  for (const std::size_t k : spokes) numbers += (k + 1) * (k + 1);
+  const std::size_t limit = kStarNumbers + kStarNumbersOfAVertex * spokes.size();
+  if (numbers <= limit) return {};
+  const auto most = std::max_element(spokes.begin(), spokes.end());
+  const auto vertex = static_cast<std::uint32_t>(most - spokes.begin());
+  return Fail(Fault(FaultKind::kInvalidOption,
+                    fmt::format("Vertex {} has {} edges, too many for VERTEX cells, whose matrix "
+                                "would have {} numbers and may have {}; take EDGE or FACE cells.",
+                                vertex, *most, numbers, limit))
+                  .Field("energy.basis")
+                  .Element(vertex)
+                  .Detail("count", numbers)
+                  .Detail("limit", limit));
+}
 
 }  // namespace
 
@@ -295,6 +356,7 @@ Result<CellSystem> BuildCells(const std::vector<Triangle>& triangles, const Topo
                       "VERTEX cells are for planar meshes; a surface takes EDGE or FACE cells.")
                     .Field("energy.basis"));
   }
+  if (options.basis == Basis::kVertex) CHECK_OK(CheckStars(topology));
   Builder builder(triangles, topology, options, frame, left_out);
   switch (options.basis) {
     case Basis::kEdge:

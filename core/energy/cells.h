@@ -98,13 +98,14 @@ Status CheckEnergyOptions(const EnergyOptions& options, std::size_t triangles);
 
 // Builds the cells. `frame` gives each triangle's shape; for EDGE cells the two triangles of a
 // hinge are unfolded about their edge, one on each side, as their orientation says. VERTEX cells
-// need one common frame (planar meshes); asking for them on a surface is kInvalidOption.
+// need one common frame (planar meshes) and vertices without thousands of edges: kInvalidOption.
 //
 // Triangles in `left_out` (#F or empty) count next to nothing: their cotangents are replaced by
 // kMinCotangent, so that a vertex that has no other triangle still has a place.
 //
 // Pieces that meet only in a joint vertex are welded there by one extra cell, the spokes of the
-// joint: without it nothing would fix how they turn against each other.
+// joint: without it nothing would fix how they turn against each other. Where many meet, every two
+// neighbouring pieces are welded, each with a few of its spokes.
 Result<CellSystem> BuildCells(const std::vector<Triangle>& triangles, const Topology& topology,
                               const EnergyOptions& options, const TriangleFrame& frame, bool planar,
                               const std::vector<bool>& left_out = {});
