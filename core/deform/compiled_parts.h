@@ -14,6 +14,7 @@
 #include "arap/core/compiled_handles.h"
 #include "core/deform/handle_index.h"
 #include "core/deform/place.h"
+#include "core/deform/registered_parts.h"
 #include "core/deform/roles.h"
 #include "core/energy/local_step.h"
 #include "core/sparse/factor.h"
@@ -27,6 +28,7 @@ struct SolverScratch {
   Saddle<Complex>::Scratch similarity;
   Saddle<double>::Scratch rigid_x, rigid_y;
   Workspace workspace;
+  Workspace correction;  // direct solver only
 };
 
 // Immutable, shared by threads.
@@ -48,8 +50,8 @@ class ConstraintSolver {
   virtual const Factor<double>& rigid_factor() const = 0;
   virtual bool NeedsRigidSolve(bool turned) const = 0;
   virtual void CompleteForce(std::span<const Complex> miss, std::span<double> force) const = 0;
-  virtual void AddRigid(const double* solution, std::span<const Complex> miss, ShapeView shape,
-                        SolverScratch& scratch) const = 0;
+  virtual Status AddRigid(const double* solution, std::span<const Complex> miss, ShapeView shape,
+                          SolverScratch& scratch) const = 0;
 
   virtual std::size_t bytes() const = 0;
 };
@@ -72,11 +74,18 @@ struct CompiledHandlesParts {
   HandleIndex index;      // of the handles
   std::vector<Row> rows;  // by handle
   Roles roles;
+  std::vector<double> depths;  // #V, or empty: see VertexDepths
 
   // Of every row, also of rows that are not active, because an edit may wake them. Empty when
   // direct.
   std::shared_ptr<const Responses> responses;
   std::shared_ptr<const ConstraintSolver> solver;
 };
+
+// What VertexDepths shows. O(#V) per handle with a depth, about 1 ns a vertex. Fault: that of
+// `cancel`, asked handle by handle.
+Result<std::vector<double>> ComputeDepths(const RegisteredMeshParts& mesh,
+                                          std::span<const PlacedHandle> handles,
+                                          const CancelToken& cancel);
 
 }  // namespace arap

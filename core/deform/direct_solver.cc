@@ -10,12 +10,19 @@ namespace {
 
 double MatrixWeight(const Row& row) { return row.compliance == 0 ? 1 : 1 / row.compliance; }
 
-// `lower` + Σ weight · rowᵀ row, lower triangle.
+// `lower` + Σ weight · rowᵀ row over the rows that are not `left_out`, lower triangle.
 template <class Scalar>
 Eigen::SparseMatrix<Scalar> WithRows(const Eigen::SparseMatrix<Scalar>& lower,
-                                     const std::vector<Row>& rows) {
+                                     const std::vector<Row>& rows,
+                                     const std::vector<std::size_t>& left_out) {
   std::vector<Eigen::Triplet<Scalar, int>> triplets;
-  for (const Row& row : rows) {
+  auto next = left_out.begin();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (next != left_out.end() && *next == i) {
+      ++next;
+      continue;
+    }
+    const Row& row = rows[i];
     for (std::size_t a = 0; a < 3; ++a) {
       for (std::size_t b = 0; b < 3; ++b) {
         if (row.vertex[a] < row.vertex[b]) continue;
@@ -31,120 +38,152 @@ Eigen::SparseMatrix<Scalar> WithRows(const Eigen::SparseMatrix<Scalar>& lower,
   return lower + extra;
 }
 
-// Responses of the hard rows to a factor, and their Schur complement.
-template <class Scalar, class Matrix>
-Status MakeSchur(const Factor<Scalar>& factor, const std::vector<Row>& rows,
-                 const std::vector<std::size_t>& hard, Matrix& responses, Saddle<Scalar>& schur) {
-  const std::size_t n = factor.size();
-  const auto k = static_cast<Eigen::Index>(hard.size());
-  Workspace workspace;
-  std::vector<Scalar> right(n);
-  responses.resize(static_cast<Eigen::Index>(n), k);
-  for (Eigen::Index j = 0; j < k; ++j) {
-    const Row& row = rows[hard[static_cast<std::size_t>(j)]];
-    std::fill(right.begin(), right.end(), Scalar(0));
-    for (std::size_t c = 0; c < 3; ++c) right[row.vertex[c]] += row.weight[c];
-    TRY(const auto z, factor.Solve(right, 1, workspace));
-    std::copy(z.begin(), z.end(), responses.col(j).data());
-  }
-  typename Saddle<Scalar>::Matrix cz(k, k);
-  for (Eigen::Index i = 0; i < k; ++i) {
-    const Row& row = rows[hard[static_cast<std::size_t>(i)]];
-    for (Eigen::Index j = 0; j < k; ++j) {
-      cz(i, j) = Scalar(0);
-      for (std::size_t c = 0; c < 3; ++c) {
-        cz(i, j) += row.weight[c] * responses(static_cast<Eigen::Index>(row.vertex[c]), j);
-      }
-    }
-  }
-  schur = Saddle<Scalar>(cz, typename Saddle<Scalar>::Matrix(k, 0));
-  return {};
-}
-
 }  // namespace
 
 Result<std::shared_ptr<const ConstraintSolver>> DirectSolver::Make(
     const CompiledHandlesParts& parts, const CancelToken& cancel) {
   std::shared_ptr<DirectSolver> solver(new DirectSolver());
-  CHECK_OK(solver->FactorWith(parts, cancel));
-  CHECK_OK(solver->AddHardRows());
+  solver->SortRows(parts);
+  const RegisteredMeshParts& mesh = parts.mesh->parts();
+  CHECK_OK(cancel.Check());
+  CHECK_OK(solver->FactorStep(AssembleSimilarity(mesh.cells, solver->outside_),
+                              mesh.similarity->order(), cancel, solver->similarity_));
+  CHECK_OK(solver->FactorStep(AssembleRigid(mesh.cells, solver->outside_), mesh.rigid->order(),
+                              cancel, solver->rigid_));
   return std::shared_ptr<const ConstraintSolver>(std::move(solver));
 }
 
-Status DirectSolver::FactorWith(const CompiledHandlesParts& parts, const CancelToken& cancel) {
+void DirectSolver::SortRows(const CompiledHandlesParts& parts) {
   mesh_ = &parts.mesh->parts();
+  const std::size_t n = mesh_->rest.size();
+  held_.resize(n);
   for (const std::size_t r : parts.roles.active_rows) {
-    if (parts.rows[r].compliance == 0) hard_.push_back(rows_.size());
-    rows_.push_back(parts.rows[r]);
+    const Row& row = parts.rows[r];
+    const std::uint32_t vertex = row.single_vertex();
+    if (row.compliance == 0) {
+      (vertex == kNone ? inside_ : holding_).push_back(rows_.size());
+      if (vertex != kNone) held_[vertex] = true;
+    }
+    rows_.push_back(row);
   }
-  fixed_.resize(mesh_->rest.size());
-  for (std::size_t v = 0; v < fixed_.size(); ++v) {
+  outside_.resize(n);
+  for (std::size_t v = 0; v < n; ++v) {
     const std::uint32_t c = mesh_->topology.vertex_component[v];
-    fixed_[v] = c == kNone || parts.roles.active_slot[c] == kNone;
+    outside_[v] = c == kNone || parts.roles.active_slot[c] == kNone;
   }
-  CHECK_OK(cancel.Check());
-  TRY(similarity_, Factor<Complex>::Make(WithRows(AssembleSimilarity(mesh_->cells, fixed_), rows_),
-                                         FactorLayout::kPacked, mesh_->similarity->order()));
-  CHECK_OK(cancel.Check());
-  TRY(rigid_, Factor<double>::Make(WithRows(AssembleRigid(mesh_->cells, fixed_), rows_),
-                                   FactorLayout::kPacked, mesh_->rigid->order()));
-  return cancel.Check();
 }
 
-Status DirectSolver::AddHardRows() {
-  CHECK_OK(MakeSchur(*similarity_, rows_, hard_, similarity_responses_, similarity_schur_));
-  return MakeSchur(*rigid_, rows_, hard_, rigid_responses_, rigid_schur_);
+template <class Scalar>
+Status DirectSolver::FactorStep(const Eigen::SparseMatrix<Scalar>& mesh_matrix,
+                                std::span<const int> order, const CancelToken& cancel,
+                                Step<Scalar>& step) const {
+  Eigen::SparseMatrix<Scalar> matrix = WithRows(mesh_matrix, rows_, holding_);
+  if (!holding_.empty()) {
+    for (int j = 0; j < matrix.outerSize(); ++j) {
+      for (typename Eigen::SparseMatrix<Scalar>::InnerIterator it(matrix, j); it; ++it) {
+        const auto row = static_cast<std::uint32_t>(it.row()),
+                   column = static_cast<std::uint32_t>(j);
+        if (!held_[row] && !held_[column]) continue;
+        if (!held_[row]) step.couplings.push_back({row, column, it.value()});
+        if (!held_[column]) {
+          step.couplings.push_back({column, row, Eigen::numext::conj(it.value())});
+        }
+        it.valueRef() = Scalar(row == column ? 1 : 0);
+      }
+    }
+    matrix.prune([](int, int, const Scalar& value) { return value != Scalar(0); });
+    step.couplings.shrink_to_fit();
+  }
+  CHECK_OK(cancel.Check());
+  TRY(step.factor, Factor<Scalar>::Make(matrix, FactorLayout::kPacked, order));
+  return MakeSchur(cancel, step);
+}
+
+// C A⁻¹ Cᵀ over the unknowns, for the hard rows inside triangles.
+template <class Scalar>
+Status DirectSolver::MakeSchur(const CancelToken& cancel, Step<Scalar>& step) const {
+  const auto k = static_cast<Eigen::Index>(inside_.size());
+  Workspace workspace;
+  std::vector<Scalar> right(mesh_->rest.size());
+  typename Saddle<Scalar>::Matrix cz(k, k);
+  for (Eigen::Index j = 0; j < k; ++j) {
+    CHECK_OK(cancel.Check());
+    const Row& row = rows_[inside_[static_cast<std::size_t>(j)]];
+    std::fill(right.begin(), right.end(), Scalar(0));
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (!held_[row.vertex[c]]) right[row.vertex[c]] += row.weight[c];
+    }
+    TRY(const auto z, step.factor->Solve(right, 1, workspace));
+    for (Eigen::Index i = 0; i < k; ++i) {
+      const Row& other = rows_[inside_[static_cast<std::size_t>(i)]];
+      cz(i, j) = Scalar(0);
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (!held_[other.vertex[c]]) cz(i, j) += other.weight[c] * z[other.vertex[c]];
+      }
+    }
+  }
+  CHECK_OK(cancel.Check());
+  step.schur = Saddle<Scalar>(cz, typename Saddle<Scalar>::Matrix(k, 0));
+  return cancel.Check();
 }
 
 void DirectSolver::Prepare(SolverScratch& scratch) const {
   scratch.complex_right.assign(mesh_->rest.size(), 0);
-  scratch.similarity.Resize(similarity_schur_.size());
-  scratch.rigid_x.Resize(rigid_schur_.size());
-  scratch.rigid_y.Resize(rigid_schur_.size());
+  scratch.similarity.Resize(similarity_.schur.size());
+  scratch.rigid_x.Resize(rigid_.schur.size());
+  scratch.rigid_y.Resize(rigid_.schur.size());
 }
 
 Status DirectSolver::AddSimilarity(std::span<const Complex> miss, ShapeView shape,
                                    SolverScratch& scratch) const {
-  const std::size_t n = mesh_->rest.size();
-  std::fill(scratch.complex_right.begin(), scratch.complex_right.end(), Complex(0));
+  std::vector<Complex>& right = scratch.complex_right;
+  const auto add = [&](std::span<const Complex> change) {
+    for (std::size_t v = 0; v < change.size(); ++v) {
+      shape.x[v] += change[v].real();
+      shape.y[v] += change[v].imag();
+    }
+  };
+  std::fill(right.begin(), right.end(), Complex(0));
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
-      scratch.complex_right[rows_[i].vertex[c]] +=
-          MatrixWeight(rows_[i]) * rows_[i].weight[c] * miss[i];
+      const std::uint32_t v = rows_[i].vertex[c];
+      if (!held_[v]) right[v] += MatrixWeight(rows_[i]) * rows_[i].weight[c] * miss[i];
     }
   }
-  TRY(const auto y, similarity_->Solve(scratch.complex_right, 1, scratch.workspace));
-  for (std::size_t v = 0; v < n; ++v) {
-    shape.x[v] += y[v].real();
-    shape.y[v] += y[v].imag();
-  }
-  for (std::size_t j = 0; j < hard_.size(); ++j) {
-    const Row& row = rows_[hard_[j]];
-    Complex left = miss[hard_[j]];
+  for (const std::size_t i : holding_) right[rows_[i].single_vertex()] = miss[i];
+  for (const auto& c : similarity_.couplings) right[c.free] -= c.value * right[c.held];
+  TRY(const auto y, similarity_.factor->Solve(right, 1, scratch.workspace));
+  add(y);
+  if (inside_.empty()) return {};
+
+  for (std::size_t j = 0; j < inside_.size(); ++j) {
+    const Row& row = rows_[inside_[j]];
+    Complex left = miss[inside_[j]];
     for (std::size_t c = 0; c < 3; ++c) left -= row.weight[c] * y[row.vertex[c]];
     scratch.similarity.right[static_cast<Eigen::Index>(j)] = left;
   }
-  similarity_schur_.Solve(scratch.similarity);
-  for (std::size_t j = 0; j < hard_.size(); ++j) {
+  similarity_.schur.Solve(scratch.similarity);
+  std::fill(right.begin(), right.end(), Complex(0));
+  for (std::size_t j = 0; j < inside_.size(); ++j) {
+    const Row& row = rows_[inside_[j]];
     const Complex mu = scratch.similarity.solution[static_cast<Eigen::Index>(j)];
-    const Complex* z = similarity_responses_.col(static_cast<Eigen::Index>(j)).data();
-    for (std::size_t v = 0; v < n; ++v) {
-      const Complex p = mu * z[v];
-      shape.x[v] += p.real();
-      shape.y[v] += p.imag();
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (!held_[row.vertex[c]]) right[row.vertex[c]] += row.weight[c] * mu;
     }
   }
+  TRY(const auto z, similarity_.factor->Solve(right, 1, scratch.workspace));
+  add(z);
   return {};
 }
 
-const Factor<double>& DirectSolver::rigid_factor() const { return *rigid_; }
+const Factor<double>& DirectSolver::rigid_factor() const { return *rigid_.factor; }
 
 bool DirectSolver::NeedsRigidSolve(bool) const { return true; }
 
 void DirectSolver::CompleteForce(std::span<const Complex> miss, std::span<double> force) const {
   const std::size_t n = mesh_->rest.size();
   for (std::size_t v = 0; v < n; ++v) {
-    if (fixed_[v]) force[v] = force[n + v] = 0;
+    if (outside_[v]) force[v] = force[n + v] = 0;
   }
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -153,32 +192,63 @@ void DirectSolver::CompleteForce(std::span<const Complex> miss, std::span<double
       force[n + rows_[i].vertex[c]] += weight * miss[i].imag();
     }
   }
+  for (const std::size_t i : holding_) {
+    const std::uint32_t v = rows_[i].single_vertex();
+    force[v] = miss[i].real();
+    force[n + v] = miss[i].imag();
+  }
+  for (const auto& c : rigid_.couplings) {
+    force[c.free] -= c.value * force[c.held];
+    force[n + c.free] -= c.value * force[n + c.held];
+  }
 }
 
-void DirectSolver::AddRigid(const double* solution, std::span<const Complex> miss, ShapeView shape,
-                            SolverScratch& scratch) const {
+Status DirectSolver::AddRigid(const double* solution, std::span<const Complex> miss,
+                              ShapeView shape, SolverScratch& scratch) const {
   const std::size_t n = mesh_->rest.size();
-  for (std::size_t v = 0; v < n; ++v) shape.x[v] += solution[v];
-  for (std::size_t v = 0; v < n; ++v) shape.y[v] += solution[n + v];
-  for (std::size_t j = 0; j < hard_.size(); ++j) {
-    const Complex left = miss[hard_[j]] - PointOf(rows_[hard_[j]], {solution, solution + n});
+  const auto add = [&](const double* change) {
+    for (std::size_t v = 0; v < n; ++v) shape.x[v] += change[v];
+    for (std::size_t v = 0; v < n; ++v) shape.y[v] += change[n + v];
+  };
+  add(solution);
+  if (inside_.empty()) return {};
+
+  for (std::size_t j = 0; j < inside_.size(); ++j) {
+    const Complex left = miss[inside_[j]] - PointOf(rows_[inside_[j]], {solution, solution + n});
     scratch.rigid_x.right[static_cast<Eigen::Index>(j)] = left.real();
     scratch.rigid_y.right[static_cast<Eigen::Index>(j)] = left.imag();
   }
-  rigid_schur_.Solve(scratch.rigid_x);
-  rigid_schur_.Solve(scratch.rigid_y);
-  for (std::size_t j = 0; j < hard_.size(); ++j) {
+  rigid_.schur.Solve(scratch.rigid_x);
+  rigid_.schur.Solve(scratch.rigid_y);
+  // The same memory holds x and y of the second right-hand side.
+  static_assert(sizeof(Complex) == 2 * sizeof(double));
+  const std::span right(reinterpret_cast<double*>(scratch.complex_right.data()), 2 * n);
+  std::fill(right.begin(), right.end(), 0.0);
+  for (std::size_t j = 0; j < inside_.size(); ++j) {
+    const Row& row = rows_[inside_[j]];
     const auto at = static_cast<Eigen::Index>(j);
-    const double* z = rigid_responses_.col(at).data();
-    const double mx = scratch.rigid_x.solution[at], my = scratch.rigid_y.solution[at];
-    for (std::size_t v = 0; v < n; ++v) shape.x[v] += mx * z[v];
-    for (std::size_t v = 0; v < n; ++v) shape.y[v] += my * z[v];
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (held_[row.vertex[c]]) continue;
+      right[row.vertex[c]] += row.weight[c] * scratch.rigid_x.solution[at];
+      right[n + row.vertex[c]] += row.weight[c] * scratch.rigid_y.solution[at];
+    }
   }
+  // Not the workspace of `solution`, which other frames still read.
+  TRY(const auto z, rigid_.factor->Solve(right, 2, scratch.correction));
+  add(z.data());
+  return {};
+}
+
+template <class Scalar>
+std::size_t DirectSolver::Step<Scalar>::bytes() const {
+  const auto k = static_cast<std::size_t>(schur.size());
+  return factor->bytes() + couplings.capacity() * sizeof(Coupling<Scalar>) +
+         2 * k * k * sizeof(Scalar);
 }
 
 std::size_t DirectSolver::bytes() const {
-  return similarity_->bytes() + rigid_->bytes() +
-         static_cast<std::size_t>(rigid_responses_.size()) * 3 * sizeof(double);
+  return similarity_.bytes() + rigid_.bytes() + rows_.size() * sizeof(Row) +
+         (held_.size() + outside_.size()) / 8;
 }
 
 }  // namespace arap

@@ -37,8 +37,8 @@ void Frame::Force(bool turned, std::span<double> force) {
   set_.solver->CompleteForce(miss_, force);
 }
 
-void Frame::Rigid(const double* solution, SolverScratch& scratch) {
-  set_.solver->AddRigid(solution, miss_, {x(), y()}, scratch);
+Status Frame::Rigid(const double* solution, SolverScratch& scratch) {
+  return set_.solver->AddRigid(solution, miss_, {x(), y()}, scratch);
 }
 
 Result<ShapeQuality> Frame::Finish(std::span<const Target> targets,

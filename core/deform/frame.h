@@ -28,7 +28,8 @@ class Frame {
   void Force(bool turned, std::span<double> force);
 
   // The shape of step 2 from the solution of the rigid factor for that force; nullptr for no force.
-  void Rigid(const double* solution, SolverScratch& scratch);
+  // Fault: that of a back-substitution.
+  Status Rigid(const double* solution, SolverScratch& scratch);
 
   // Writes the shape to `positions` (#V, units of the mesh) and measures it. kNumerical when
   // anything is not finite; `positions` is scratch then.

@@ -207,8 +207,8 @@ void NullSpaceSolver::CompleteForce(std::span<const Complex>, std::span<double> 
   for (const MeshComponent& c : mesh_->components) force[c.ground0] = force[n + c.ground0] = 0;
 }
 
-void NullSpaceSolver::AddRigid(const double* solution, std::span<const Complex> miss,
-                               ShapeView shape, SolverScratch& scratch) const {
+Status NullSpaceSolver::AddRigid(const double* solution, std::span<const Complex> miss,
+                                 ShapeView shape, SolverScratch& scratch) const {
   const std::size_t n = mesh_->rest.size();
   const auto k = static_cast<Eigen::Index>(rows_.size());
   for (Eigen::Index i = 0; i < k; ++i) {
@@ -235,6 +235,7 @@ void NullSpaceSolver::AddRigid(const double* solution, std::span<const Complex> 
     shape.x[v] += x[at];
     shape.y[v] += y[at];
   }
+  return {};
 }
 
 std::size_t NullSpaceSolver::bytes() const {

@@ -53,8 +53,8 @@ class NullSpaceSolver : public ConstraintSolver {
   const Factor<double>& rigid_factor() const override;
   bool NeedsRigidSolve(bool turned) const override;
   void CompleteForce(std::span<const Complex> miss, std::span<double> force) const override;
-  void AddRigid(const double* solution, std::span<const Complex> miss, ShapeView shape,
-                SolverScratch& scratch) const override;
+  Status AddRigid(const double* solution, std::span<const Complex> miss, ShapeView shape,
+                  SolverScratch& scratch) const override;
   std::size_t bytes() const override;
 
  private:

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "arap/base/cancel.h"
 #include "arap/base/result.h"
 #include "arap/model/handle.h"
 #include "core/deform/registered_parts.h"
@@ -21,6 +22,18 @@ struct Row {
   Complex offset;         // from the handle's rest position to that point, normalised
   double compliance = 0;  // 0: hard
   std::uint32_t component = 0;
+
+  // The only vertex that counts, with weight 1, or kNone: the row of a vertex that an area or
+  // oriented handle holds, or of a handle on a vertex.
+  std::uint32_t single_vertex() const {
+    std::uint32_t single = kNone;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (weight[k] == 0) continue;
+      if (single != kNone) return kNone;
+      single = vertex[k];
+    }
+    return single;
+  }
 };
 
 struct Placement {
@@ -30,8 +43,10 @@ struct Placement {
 
 // Finds the handles on the mesh, in their order. The first that is not acceptable is the fault,
 // with the field "handles[i]…" and its number: kInvalidOption, kIndexOutOfRange, kHandleOutside
-// (detail "distance"). O(#F) for those on vertices together and for every other one.
+// (detail "distance"); that of `cancel`, asked handle by handle. O(#F) for all together, and O(#E) for
+// every one that is snapped.
 Result<std::vector<Placement>> PlaceHandles(const RegisteredMeshParts& mesh,
-                                            std::span<const Handle> handles);
+                                            std::span<const Handle> handles,
+                                            const CancelToken& cancel);
 
 }  // namespace arap

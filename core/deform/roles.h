@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "arap/base/cancel.h"
 #include "core/deform/place.h"
 
 namespace arap {
@@ -31,10 +32,18 @@ struct Roles {
   std::vector<std::uint32_t> active_slot;  // per component: its number among the active, or kNone
   std::size_t active_components = 0;
   std::vector<std::size_t> active_rows;  // the rows that the solver has, in its order
-  std::vector<DependentRow> dependent;
+  std::vector<DependentRow> dependent;   // by row
 };
 
-// Of a mesh with so many components. O(h²·v) for h hard rows that touch v vertices.
-Roles DecideRoles(std::size_t components, std::span<const Row> rows);
+// The hard rows that depend on others, by row. Rows on a single vertex, as area and oriented handles
+// have, come before those inside a triangle; otherwise the earlier row decides. Linear in the rows,
+// but for those inside triangles that share vertices with one another: O(m²·v) for m of those on v
+// vertices that no single row holds. Fault: that of `cancel`, asked row by row.
+Result<std::vector<DependentRow>> FindDependentRows(std::span<const Row> rows,
+                                                    const CancelToken& cancel);
+
+// Of a mesh with so many components. Costs and faults: those of FindDependentRows.
+Result<Roles> DecideRoles(std::size_t components, std::span<const Row> rows,
+                          const CancelToken& cancel);
 
 }  // namespace arap

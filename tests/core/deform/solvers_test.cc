@@ -48,6 +48,42 @@ TEST_P(SolversTest, DirectAndNullSpaceAgree) {
   }
 }
 
+// Held areas, held triangles and hard points beside and inside them, soft ones among them.
+TEST_P(SolversTest, HardAreasAgree) {
+  const auto& [basis, weights, hard] = GetParam();
+  for (const std::uint64_t seed : {1u, 2u}) {
+    const PlanarMesh mesh = TwoComponents(14, 12, seed);
+    const auto registered = Register(mesh, basis, weights);
+    auto handles = RandomHandles(mesh, 10, seed);
+    for (std::size_t i = 0; i < handles.size(); ++i) {
+      handles[i].hard = i != 7;
+      handles[i].oriented = i == 2 || i == 3;
+      if (i < 2) handles[i].area_radius = 1.6;
+    }
+    const auto a = CompileWith(registered, handles, HandleSolver::kNullSpace);
+    const auto b = CompileWith(registered, handles, HandleSolver::kDirect);
+    EXPECT_EQ(a->rows(), b->rows());
+    EXPECT_GT(a->rows(), 20u);
+    // Targets of a rigid motion never contradict one another; those of free handles may move too.
+    const RigidMotion motion{0.4, {3, -2}};
+    auto targets = a->RestTargets();
+    for (Target& t : targets) t.position = motion(t.position), t.angle = 0.4;
+    targets[7].position += Complex(1, 2);
+    for (const DeformMode mode :
+         {DeformMode::kRigid, DeformMode::kSimilarity, DeformMode::kBaseline}) {
+      const DeformOptions options{mode, mode == DeformMode::kRigid ? 3 : 0};
+      const auto x = Deform(a, targets, options), y = Deform(b, targets, options);
+      EXPECT_LE(RelativeDistance(y, x), 1e-8) << "seed " << seed << " " << static_cast<int>(mode);
+      // Hard is hard.
+      for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+        if (std::abs(mesh.vertices[v] - a->handles()[0].rest) > 1.5) continue;
+        if ((v < mesh.vertices.size() / 2) != (a->handles()[0].component == 0)) continue;
+        EXPECT_LE(std::abs(y[v] - motion(mesh.vertices[v])), 1e-9);
+      }
+    }
+  }
+}
+
 TEST_P(SolversTest, EditsEqualFreshCompilations) {
   const auto& [basis, weights, hard] = GetParam();
   const PlanarMesh mesh = JitteredGrid(20, 15, 4);
@@ -106,6 +142,19 @@ TEST(SolverChoiceTest, ManyRowsFactorDirectlyAndEditsCrossTheThreshold) {
   EXPECT_EQ(Deform(fewer, targets), Deform(fresh, targets));
   const auto again = Must(fewer->Edit({}, {handles.begin(), handles.begin() + 10}));
   EXPECT_TRUE(again->direct());
+}
+
+TEST(SolverChoiceTest, AWholeMeshHeldHardIsWhereItIsPut) {
+  const PlanarMesh mesh = JitteredGrid(60, 60, 3);  // 3,721 rows, all hard
+  Handle all = OnVertex("all", 0);
+  all.hard = true;
+  all.area_radius = 1000;
+  const auto set = Compile(Register(mesh), {all});
+  ASSERT_TRUE(set->direct());
+  EXPECT_EQ(set->rows(), mesh.vertices.size());
+  const RigidMotion motion{0.7, {30, -20}};
+  const Target target{motion(mesh.vertices[0]), 0.7, 1};
+  EXPECT_LE(RelativeDistance(Deform(set, {target}), Apply(motion, mesh.vertices)), 1e-12);
 }
 
 TEST(SolverChoiceTest, DirectIsExactForRigidMotionsToo) {
