@@ -33,7 +33,7 @@ Status Extend(CompiledHandlesParts& parts, const std::vector<Handle>& add,
               const CancelToken& cancel) {
   CHECK_OK(CheckIds(parts.handles, add));
   const RegisteredMeshParts& mesh = parts.mesh->parts();
-  TRY(auto placements, PlaceHandles(mesh, add));
+  TRY(auto placements, PlaceHandles(mesh, add, cancel));
   for (Placement& placement : placements) {
     for (Row& row : placement.rows) {
       row.handle = static_cast<std::uint32_t>(parts.handles.size());
@@ -42,7 +42,8 @@ Status Extend(CompiledHandlesParts& parts, const std::vector<Handle>& add,
     parts.handles.push_back(std::move(placement.placed));
   }
   parts.index = HandleIndex(parts.handles);
-  parts.roles = DecideRoles(mesh.components.size(), parts.rows);
+  TRY(parts.roles, DecideRoles(mesh.components.size(), parts.rows, cancel));
+  TRY(parts.depths, ComputeDepths(mesh, parts.handles, cancel));
   const bool direct = parts.choice == HandleSolver::kDirect ||
                       (parts.choice == HandleSolver::kAuto && parts.rows.size() > kDirectRows);
   if (direct && !parts.roles.active_rows.empty()) {
@@ -142,7 +143,8 @@ Status CompiledHandles::CheckHard(std::span<const Target> targets) const {
 bool CompiledHandles::direct() const { return parts_->responses == nullptr; }
 
 std::size_t CompiledHandles::bytes() const {
-  return parts_->solver->bytes() + parts_->rows.size() * sizeof(Row) + parts_->index.bytes();
+  return parts_->solver->bytes() + parts_->rows.size() * sizeof(Row) + parts_->index.bytes() +
+         parts_->depths.size() * sizeof(double);
 }
 
 std::size_t CompiledHandles::resting_components() const {

@@ -56,11 +56,12 @@ class Deformer::Scratch {
   // Fills qualities[i] and positions[i] for every given[i]; at most `lanes` of them. The first
   // fault ends it and leaves all positions alone.
   Status Update(std::span<const std::span<const Target>> given, const DeformOptions& options,
-                std::span<ShapeQuality> qualities) {
+                std::span<ShapeQuality> qualities, const CancelToken& cancel) {
     CHECK_OK(CheckOptions(options));
     for (std::size_t i = 0; i < given.size(); ++i) CHECK_OK(frames_[i].Begin(given[i], solver_));
     const bool turned = options.mode == DeformMode::kRigid;
     for (int step = 0; step < RigidSteps(options); ++step) {
+      CHECK_OK(cancel.Check());
       CHECK_OK(RigidStep(turned, given.size()));
     }
     for (std::size_t i = 0; i < given.size(); ++i) {
@@ -86,7 +87,7 @@ class Deformer::Scratch {
       solution = all.data();
     }
     for (std::size_t i = 0; i < count; ++i) {
-      frames_[i].Rigid(solution ? solution + i * size : nullptr, solver_);
+      CHECK_OK(frames_[i].Rigid(solution ? solution + i * size : nullptr, solver_));
     }
     return {};
   }
@@ -104,20 +105,21 @@ Deformer::~Deformer() = default;
 Deformer::Deformer(Deformer&&) noexcept = default;
 Deformer& Deformer::operator=(Deformer&&) noexcept = default;
 
-Result<ShapeQuality> Deformer::Update(std::span<const Target> targets,
-                                      const DeformOptions& options) {
+Result<ShapeQuality> Deformer::Update(std::span<const Target> targets, const DeformOptions& options,
+                                      const CancelToken& cancel) {
   ShapeQuality quality;
-  CHECK_OK(scratch_->Update({&targets, 1}, options, {&quality, 1}));
+  CHECK_OK(scratch_->Update({&targets, 1}, options, {&quality, 1}, cancel));
   return quality;
 }
 
 Status Deformer::UpdateMany(std::span<const std::span<const Target>> frames,
-                            const DeformOptions& options, std::span<ShapeQuality> qualities) {
+                            const DeformOptions& options, std::span<ShapeQuality> qualities,
+                            const CancelToken& cancel) {
   if (frames.size() > lanes() || qualities.size() < frames.size()) {
     return Fail(FaultKind::kInternal,
                 fmt::format("There are {} frames for {} lanes.", frames.size(), lanes()));
   }
-  return scratch_->Update(frames, options, qualities);
+  return scratch_->Update(frames, options, qualities, cancel);
 }
 
 std::size_t Deformer::lanes() const { return scratch_->positions.size(); }

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "core/base/try.h"
 #include "core/mesh/plane.h"
+#include "core/mesh/triangle_boxes.h"
 
 namespace arap {
 namespace {
@@ -149,9 +151,7 @@ class Placer {
       return Fail(Bad(FaultKind::kInvalidOption, field, index,
                       fmt::format("{} is too far away for this mesh.", field)));
     }
-    if (const auto found = Locate(mesh_.rest, mesh_.mesh.triangles, p)) {
-      return Seat{found->triangle, found->barycentric, 0};
-    }
+    if (const auto found = LowestAt(p)) return Seat{found->triangle, found->barycentric, 0};
     const Located near = NearestOnBoundary(mesh_.rest, mesh_.mesh.triangles, mesh_.topology, p);
     if (handle.outside == Outside::kSnap) {
       return Seat{near.triangle, near.barycentric, near.distance};
@@ -161,6 +161,24 @@ class Placer {
                     fmt::format("Handle \"{}\" at ({}, {}) lies outside the mesh by {}.", handle.id,
                                 anchor.position.real(), anchor.position.imag(), distance))
                     .Detail("distance", distance));
+  }
+
+  const TriangleBoxes& Boxes() {
+    if (!boxes_) boxes_.emplace(mesh_.nearby, mesh_.rest, mesh_.mesh.triangles);
+    return *boxes_;
+  }
+
+  // The lowest triangle that holds the point.
+  std::optional<Located> LowestAt(Complex p) {
+    std::optional<Located> lowest;
+    const auto wanted = [&](const TriangleBox& box) {
+      return box.Holds(p) && (!lowest || box.lowest < lowest->triangle);
+    };
+    Boxes().ForEach(wanted, [&](std::uint32_t t) {
+      if (lowest && lowest->triangle < t) return;
+      if (const auto found = LocateIn(mesh_.rest, mesh_.mesh.triangles, t, p)) lowest = found;
+    });
+    return lowest;
   }
 
   // The lowest triangle of a vertex, or kNone.
@@ -177,18 +195,23 @@ class Placer {
 
   // The vertices that an oriented or area handle holds: those of its triangle, and those of its
   // component within the radius.
-  std::vector<std::uint32_t> HeldVertices(std::uint32_t triangle, Complex rest,
-                                          double radius) const {
+  std::vector<std::uint32_t> HeldVertices(std::uint32_t triangle, Complex rest, double radius) {
     const Triangle& t = mesh_.mesh.triangles[triangle];
     std::vector<std::uint32_t> held(t.begin(), t.end());
     const std::uint32_t component = mesh_.topology.vertex_component[t[0]];
     if (radius > 0) {
-      for (std::uint32_t v = 0; v < mesh_.rest.size(); ++v) {
-        if (mesh_.topology.vertex_component[v] == component &&
-            std::abs(mesh_.rest[v] - rest) <= radius) {
-          held.push_back(v);
+      const auto wanted = [&](const TriangleBox& box) {
+        return box.x0 <= rest.real() + radius && box.x1 >= rest.real() - radius &&
+               box.y0 <= rest.imag() + radius && box.y1 >= rest.imag() - radius;
+      };
+      Boxes().ForEach(wanted, [&](std::uint32_t near) {
+        for (const std::uint32_t v : mesh_.mesh.triangles[near]) {
+          if (mesh_.topology.vertex_component[v] == component &&
+              std::abs(mesh_.rest[v] - rest) <= radius) {
+            held.push_back(v);
+          }
         }
-      }
+      });
     }
     std::sort(held.begin(), held.end());
     held.erase(std::unique(held.begin(), held.end()), held.end());
@@ -197,16 +220,19 @@ class Placer {
 
   const RegisteredMeshParts& mesh_;
   std::vector<std::uint32_t> first_triangle_;  // #V, from the first handle on a vertex on
+  std::optional<TriangleBoxes> boxes_;         // from the first that needs them on
 };
 
 }  // namespace
 
 Result<std::vector<Placement>> PlaceHandles(const RegisteredMeshParts& mesh,
-                                            std::span<const Handle> handles) {
+                                            std::span<const Handle> handles,
+                                            const CancelToken& cancel) {
   Placer placer(mesh);
   std::vector<Placement> placements;
   placements.reserve(handles.size());
   for (std::size_t i = 0; i < handles.size(); ++i) {
+    CHECK_OK(cancel.Check());
     TRY(placements.emplace_back(), placer.Place(handles[i], i));
   }
   return placements;

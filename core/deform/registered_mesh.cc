@@ -9,6 +9,7 @@
 #include "core/energy/assemble.h"
 #include "core/energy/cells.h"
 #include "core/mesh/plane.h"
+#include "core/mesh/triangle_boxes.h"
 #include "core/mesh/validation.h"
 
 namespace arap {
@@ -113,7 +114,7 @@ void Report(std::vector<Warning> warnings, std::size_t clamped, RegisteredMeshPa
              "parts of the mesh touch in a single vertex; they are welded there", report.warnings);
   report.bytes = parts.similarity->bytes() + parts.rigid->bytes() + parts.cells.bytes() +
                  parts.rest.size() * 2 * sizeof(Complex) +
-                 parts.mesh.triangles.size() * 2 * sizeof(Triangle) +
+                 parts.mesh.triangles.size() * (2 * sizeof(Triangle) + sizeof(std::uint32_t)) +
                  parts.topology.edges.size() * sizeof(Edge);
 }
 
@@ -140,6 +141,8 @@ Result<std::shared_ptr<const RegisteredMesh>> RegisteredMesh::Register(PlanarMes
   parts->topology = BuildTopology(parts->mesh.vertices.size(), parts->mesh.triangles);
   Normalise(*parts);
   PlaceComponents(*parts);
+  parts->nearby = NearbyOrder(parts->rest, parts->mesh.triangles);
+  CHECK_OK(cancel.Check());
   const TriangleFrame frame = [&](std::uint32_t t) {
     const Triangle& c = parts->mesh.triangles[t];
     return std::array<Complex, 3>{parts->rest[c[0]], parts->rest[c[1]], parts->rest[c[2]]};
@@ -147,6 +150,7 @@ Result<std::shared_ptr<const RegisteredMesh>> RegisteredMesh::Register(PlanarMes
   TRY(CellSystem system, BuildCells(parts->mesh.triangles, parts->topology, options, frame, true));
   parts->cells = std::move(system.cells);
   parts->stretch = StretchTable(parts->mesh, parts->rest);
+  CHECK_OK(cancel.Check());
   CHECK_OK(Factorise(*parts, cancel));
   Report(std::move(warnings), system.clamped, *parts);
   return std::shared_ptr<const RegisteredMesh>(new RegisteredMesh(std::move(parts)));

@@ -32,6 +32,7 @@ struct RegisteredMeshParts {
   EnergyOptions options;
   RegistrationReport report;
   Topology topology;
+  std::vector<std::uint32_t> nearby;  // #F, NearbyOrder of the rest shape
   Complex origin;
   std::vector<Complex> rest;  // #V, normalised
   std::vector<MeshComponent> components;

@@ -5,7 +5,6 @@
 
 #include "arap/core/flattener.h"
 #include "core/mesh/topology.h"
-#include "core/mesh/union_find.h"
 
 namespace arap {
 namespace {

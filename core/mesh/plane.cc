@@ -12,18 +12,23 @@ std::array<double, 3> Barycentric(const std::array<Complex, 3>& c, Complex p) {
   return {1 - b1 - b2, b1, b2};
 }
 
+std::optional<Located> LocateIn(std::span<const Complex> vertices,
+                                std::span<const Triangle> triangles, std::uint32_t triangle,
+                                Complex p, double tolerance) {
+  const Triangle& t = triangles[triangle];
+  auto b = Barycentric({vertices[t[0]], vertices[t[1]], vertices[t[2]]}, p);
+  // A NaN from a degenerate triangle fails these comparisons.
+  if (!(b[0] >= -tolerance && b[1] >= -tolerance && b[2] >= -tolerance)) return std::nullopt;
+  double sum = 0;
+  for (double& x : b) sum += x = std::max(x, 0.0);
+  for (double& x : b) x /= sum;
+  return Located{triangle, b, 0};
+}
+
 std::optional<Located> Locate(std::span<const Complex> vertices,
                               std::span<const Triangle> triangles, Complex p, double tolerance) {
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    const std::array<Complex, 3> c{vertices[triangles[t][0]], vertices[triangles[t][1]],
-                                   vertices[triangles[t][2]]};
-    auto b = Barycentric(c, p);
-    // A NaN from a degenerate triangle fails these comparisons.
-    if (!(b[0] >= -tolerance && b[1] >= -tolerance && b[2] >= -tolerance)) continue;
-    double sum = 0;
-    for (double& x : b) sum += x = std::max(x, 0.0);
-    for (double& x : b) x /= sum;
-    return Located{t, b, 0};
+    if (auto found = LocateIn(vertices, triangles, t, p, tolerance)) return found;
   }
   return std::nullopt;
 }

@@ -237,8 +237,7 @@ Status Factor<Scalar>::Again(const Eigen::SparseMatrix<Scalar>& lower) {
   cholmod_sparse matrix = View(lower);
   cholmod_factorize(&matrix, data_->factor, common);
   times_.numbers = timer.Lap();
-  if (common->status != CHOLMOD_OK ||
-      data_->factor->minor != matrix.nrow ||
+  if (common->status != CHOLMOD_OK || data_->factor->minor != matrix.nrow ||
       !HasPositivePivots(*data_->factor)) {
     const int status = common->status == CHOLMOD_OK ? CHOLMOD_NOT_POSDEF : common->status;
     return Fail(FaultOf(status, "Factoring", matrix.nrow));

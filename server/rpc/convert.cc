@@ -188,12 +188,11 @@ Status ToWire(const Deformer& deformer, const ShapeQuality& quality, const Shape
   return {};
 }
 
-void PicksToWire(const Deformer& deformer, std::span<const Complex> picks, v1::Shape* out) {
-  if (picks.empty()) return;
-  const Picker picker(deformer.handles());
-  for (const Complex point : picks) {
-    ToWire(picker.Find(deformer.positions(), point), out->add_picks());
-  }
+Status PicksToWire(const Deformer& deformer, std::span<const Complex> points,
+                   const CancelToken& cancel, v1::Shape* out) {
+  TRY(const auto picks, FindPicks(*deformer.handles(), deformer.positions(), points, cancel));
+  for (const auto& pick : picks) ToWire(pick, out->add_picks());
+  return {};
 }
 
 Status CheckBudget(const v1::FlattenRequest& request, const Limits& limits) {

@@ -80,8 +80,10 @@ Result<ShapeOptions> FromWire(const v1::DeformOptions& options, const Limits& li
 Status ToWire(const Deformer& deformer, const ShapeQuality& quality, const ShapeOptions& options,
               v1::Shape* out, std::size_t lane = 0);
 
-// Where `picks` on the shape of `deformer` were at rest, one result each.
-void PicksToWire(const Deformer& deformer, std::span<const Complex> picks, v1::Shape* out);
+// Where `points` on the shape of `deformer` were at rest, one result each. Fault: that of `cancel`,
+// asked between points.
+Status PicksToWire(const Deformer& deformer, std::span<const Complex> points,
+                   const CancelToken& cancel, v1::Shape* out);
 
 // kLimitExceeded when the surface has more than max_flatten_triangles. Looks at lengths only.
 Status CheckBudget(const v1::FlattenRequest& request, const Limits& limits);

@@ -158,10 +158,10 @@ Status Deform(app::Engine& engine, const v1::DeformRequest& request, const Call&
   TRY(const auto targets, app::CompleteTargets(*entry.handles, FromWire(request.targets())));
 
   app::LiveSet set(std::move(entry));
-  TRY(const auto quality, set.Move(targets, options.deform, engine.metrics));
+  TRY(const auto quality, set.Move(targets, options.deform, engine.metrics, call.cancel));
   v1::Shape& shape = *response->mutable_shape();
   CHECK_OK(ToWire(set.deformer(), quality, options, &shape));
-  PicksToWire(set.deformer(), picks, &shape);
+  CHECK_OK(PicksToWire(set.deformer(), picks, call.cancel, &shape));
   shape.set_handle_set_revision(set.entry().revision);
   shape.set_queue_micros(call.queue_micros);
   shape.set_solve_micros(working.Micros());

@@ -302,10 +302,10 @@ class StreamReactor final
     auto answer = std::make_unique<Answer>();
     v1::Shape& shape = *answer->message.mutable_shape();
     const Status made = app::WithinMemory([&]() -> Status {
-      TRY(const auto quality, live_->Move(job_.targets, options_.deform, engine_.metrics));
+      TRY(const auto quality,
+          live_->Move(job_.targets, options_.deform, engine_.metrics, CancelTokenOf(context_)));
       CHECK_OK(Fill(*live_, quality, working, queue_micros, shape));
-      PicksToWire(live_->deformer(), job_.picks, &shape);
-      return {};
+      return PicksToWire(live_->deformer(), job_.picks, CancelTokenOf(context_), &shape);
     });
     const double took = processor.Lap() * 1e-3;
     const MutexLock lock(&mutex_);

@@ -96,9 +96,9 @@ LiveSet::LiveSet(HandleSetEntry entry, std::size_t lanes)
     : entry_(std::move(entry)), deformer_(entry_.handles, lanes) {}
 
 Result<ShapeQuality> LiveSet::Move(std::span<const Target> targets, const DeformOptions& options,
-                                   runtime::Metrics& metrics) {
+                                   runtime::Metrics& metrics, const CancelToken& cancel) {
   const runtime::WallTimer working;
-  TRY(const auto quality, deformer_.Update(targets, options));
+  TRY(const auto quality, deformer_.Update(targets, options, cancel));
   metrics.Phase(runtime::Phase::kFrame, working.Micros() * 1e-6);
   return quality;
 }
@@ -130,7 +130,7 @@ Result<EditedSet> LiveSet::Edited(const std::vector<std::string>& remove,
     edited.targets.push_back(
         same ? targets[*same] : PoseOf(before.mesh()->mesh(), placed[i], deformer_.positions()));
   }
-  TRY(edited.quality, edited.set.deformer_.Update(edited.targets, options));
+  TRY(edited.quality, edited.set.deformer_.Update(edited.targets, options, cancel));
   metrics.Phase(runtime::Phase::kEdit, working.Micros() * 1e-6);
   return edited;
 }

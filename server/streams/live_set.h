@@ -32,7 +32,7 @@ class LiveSet {
 
   // Computes the shape for one target per handle. Faults: those of Deformer::Update.
   Result<ShapeQuality> Move(std::span<const Target> targets, const DeformOptions& options,
-                            runtime::Metrics& metrics);
+                            runtime::Metrics& metrics, const CancelToken& cancel);
 
   // The same for several shapes at once, one per lane at most: frames of a track.
   Status MoveMany(std::span<const std::span<const Target>> targets, const DeformOptions& options,

@@ -61,7 +61,6 @@ std::vector<Handle> HandlesFrom(Bytes& bytes, const PlanarMesh& mesh) {
 // Some updates and picks; whatever they answer is finite, and a fault leaves the shape as it was.
 void Drag(Bytes& bytes, const Compiled& handles) {
   for (const double depth : VertexDepths(*handles)) CheckFinite(depth, "depth");
-  const Picker picker(handles);
   Deformer deformer(handles);
   for (std::uint32_t updates = 1 + bytes.Below(3); updates > 0; --updates) {
     std::vector<Target> targets = handles->RestTargets();
@@ -84,7 +83,9 @@ void Drag(Bytes& bytes, const Compiled& handles) {
       CheckFinite(number, "quality");
     }
     Promise(deformer.FlippedTriangles().size() == quality->flipped, "flips are counted");
-    if (const auto pick = picker.Find(deformer.positions(), {bytes.Number(), bytes.Number()})) {
+    const Complex point(bytes.Number(), bytes.Number());
+    const auto picks = FindPicks(*handles, deformer.positions(), {&point, 1});
+    if (const std::optional<Pick>& pick = picks->front()) {
       CheckFinite(std::array{pick->rest}, "pick");
       for (const double weight : pick->barycentric) CheckFinite(weight, "barycentric");
     }

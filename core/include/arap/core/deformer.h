@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "arap/base/cancel.h"
 #include "arap/base/result.h"
 #include "arap/core/compiled_handles.h"
 #include "arap/model/deform.h"
@@ -32,14 +33,16 @@ class Deformer {
   //
   // Faults: kTargetCount; kNonFiniteTarget and kInvalidOption (scale) with the field "targets[i]…";
   // kConflictingHandles when hard handles cannot all meet their targets; kInvalidOption for
-  // `options.refine`; kNumerical when the shape is not finite. positions() is then as before.
-  Result<ShapeQuality> Update(std::span<const Target> targets, const DeformOptions& options = {});
+  // `options.refine`; kNumerical when the shape is not finite; whatever `cancel` answers before each
+  // of the 1 + refine steps. positions() is then as before.
+  Result<ShapeQuality> Update(std::span<const Target> targets, const DeformOptions& options = {},
+                              const CancelToken& cancel = {});
 
   // Up to lanes() frames at once, the shape and quality of the i-th in lane i; each is the same, to
   // the last bit, as Update's of a Deformer with as many lanes. They share the passes over the
   // factor, which pays for baking. The first fault ends it and leaves all positions as before.
   Status UpdateMany(std::span<const std::span<const Target>> frames, const DeformOptions& options,
-                    std::span<ShapeQuality> qualities);
+                    std::span<ShapeQuality> qualities, const CancelToken& cancel = {});
   std::size_t lanes() const;
 
   // Vertex positions (#V) of the last successful update, at first the rest positions. Valid until

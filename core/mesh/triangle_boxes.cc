@@ -1,0 +1,98 @@
+#include "core/mesh/triangle_boxes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/mesh/plane.h"
+
+namespace arap {
+namespace {
+
+TriangleBox Empty() {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  return {kInfinity, kInfinity, -kInfinity, -kInfinity, kNone, -kInfinity};
+}
+
+void Add(const TriangleBox& part, TriangleBox& whole) {
+  whole.x0 = std::min(whole.x0, part.x0), whole.x1 = std::max(whole.x1, part.x1);
+  whole.y0 = std::min(whole.y0, part.y0), whole.y1 = std::max(whole.y1, part.y1);
+  whole.lowest = std::min(whole.lowest, part.lowest);
+  whole.highest = std::max(whole.highest, part.highest);
+}
+
+// 16 bits of x and of y by turns.
+std::uint32_t Interleaved(std::uint32_t x, std::uint32_t y) {
+  const auto spread = [](std::uint32_t n) {
+    n = (n | (n << 8u)) & 0x00ff00ffu;
+    n = (n | (n << 4u)) & 0x0f0f0f0fu;
+    n = (n | (n << 2u)) & 0x33333333u;
+    return (n | (n << 1u)) & 0x55555555u;
+  };
+  return spread(x) | (spread(y) << 1u);
+}
+
+}  // namespace
+
+TriangleBox BoxOf(std::span<const Complex> vertices, std::span<const Triangle> triangles,
+                  std::uint32_t triangle, std::span<const double> depths) {
+  TriangleBox box = Empty();
+  for (const std::uint32_t v : triangles[triangle]) {
+    const Complex p = vertices[v];
+    Add({p.real(), p.imag(), p.real(), p.imag(), triangle, depths.empty() ? 0 : depths[v]}, box);
+  }
+  // Coordinates are rounded, and a weight may be a little below 0.
+  const auto grow = [](double& low, double& high) {
+    constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+    const double by = 4 * kLocateTolerance * (high - low) +
+                      8 * kEpsilon * std::max(std::abs(low), std::abs(high));
+    low -= by, high += by;
+  };
+  grow(box.x0, box.x1);
+  grow(box.y0, box.y1);
+  return box;
+}
+
+std::vector<std::uint32_t> NearbyOrder(std::span<const Complex> vertices,
+                                       std::span<const Triangle> triangles) {
+  TriangleBox all = Empty();
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) Add(BoxOf(vertices, triangles, t), all);
+  constexpr double kSteps = 65535;
+  const double size = std::max(all.x1 - all.x0, all.y1 - all.y0);
+  const auto step = [&](double x, double from) {
+    const double at = (x - from) / size * kSteps;
+    return static_cast<std::uint32_t>(at > 0 && at < kSteps ? at : 0);
+  };
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> keyed;
+  keyed.reserve(triangles.size());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    const TriangleBox box = BoxOf(vertices, triangles, t);
+    keyed.emplace_back(Interleaved(step(0.5 * box.x0 + 0.5 * box.x1, all.x0),
+                                   step(0.5 * box.y0 + 0.5 * box.y1, all.y0)),
+                       t);
+  }
+  std::sort(keyed.begin(), keyed.end());
+  std::vector<std::uint32_t> order;
+  order.reserve(keyed.size());
+  for (const auto& [key, triangle] : keyed) order.push_back(triangle);
+  return order;
+}
+
+TriangleBoxes::TriangleBoxes(std::span<const std::uint32_t> order,
+                             std::span<const Complex> vertices, std::span<const Triangle> triangles,
+                             std::span<const double> depths)
+    : order_(order) {
+  std::vector<TriangleBox> boxes((order.size() + kGroup - 1) / kGroup, Empty());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    Add(BoxOf(vertices, triangles, order[k], depths), boxes[k / kGroup]);
+  }
+  while (!boxes.empty()) {
+    const std::vector<TriangleBox>& last = levels_.emplace_back(std::move(boxes));
+    if (last.size() <= kGroup) break;
+    boxes.assign((last.size() + kGroup - 1) / kGroup, Empty());
+    for (std::size_t i = 0; i < last.size(); ++i) Add(last[i], boxes[i / kGroup]);
+  }
+}
+
+}  // namespace arap

@@ -1,0 +1,72 @@
+// TriangleBoxes: finds the triangles near a point without looking at all of them, also in a mesh
+// that changes its shape with every frame.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "arap/model/mesh.h"
+
+namespace arap {
+
+// The box of a triangle or of several, a little larger than they are: by more than the tolerance
+// that Locate has.
+struct TriangleBox {
+  double x0, y0, x1, y1;
+  std::uint32_t lowest;  // triangle of it
+  double highest;        // depth of a corner, 0 without depths
+
+  bool Holds(Complex p) const {
+    return p.real() >= x0 && p.real() <= x1 && p.imag() >= y0 && p.imag() <= y1;
+  }
+};
+
+// Of one triangle. `depths` (#V) may be empty.
+TriangleBox BoxOf(std::span<const Complex> vertices, std::span<const Triangle> triangles,
+                  std::uint32_t triangle, std::span<const double> depths = {});
+
+// All triangles, neighbours near one another: by their middles along a curve that fills the plane.
+// O(#F log #F). Neighbours stay neighbours when the mesh is bent: it is enough to do this once.
+std::vector<std::uint32_t> NearbyOrder(std::span<const Complex> vertices,
+                                       std::span<const Triangle> triangles);
+
+// The boxes of a shape, and of groups of them, and of groups of those. Immutable. Everything given
+// must outlive it.
+class TriangleBoxes {
+ public:
+  // `order` is NearbyOrder's, of any shape of these triangles. O(#F): about as much as looking at
+  // every triangle once.
+  TriangleBoxes(std::span<const std::uint32_t> order, std::span<const Complex> vertices,
+                std::span<const Triangle> triangles, std::span<const double> depths = {});
+
+  // Calls visit(triangle) for every triangle in groups that all of `wanted(box)` lets through, in no
+  // order that means something. O(log #F) where few are wanted.
+  template <class Wanted, class Visit>
+  void ForEach(Wanted wanted, Visit visit) const {
+    if (!levels_.empty()) Walk(levels_.size() - 1, 0, wanted, visit);
+  }
+
+ private:
+  static constexpr std::size_t kGroup = 8;
+
+  template <class Wanted, class Visit>
+  void Walk(std::size_t level, std::size_t begin, Wanted& wanted, Visit& visit) const {
+    const std::vector<TriangleBox>& boxes = levels_[level];
+    for (std::size_t i = begin; i < boxes.size() && i < begin + kGroup; ++i) {
+      if (!wanted(boxes[i])) continue;
+      if (level > 0) {
+        Walk(level - 1, i * kGroup, wanted, visit);
+        continue;
+      }
+      for (std::size_t k = i * kGroup; k < order_.size() && k < (i + 1) * kGroup; ++k) {
+        visit(order_[k]);
+      }
+    }
+  }
+
+  std::span<const std::uint32_t> order_;
+  std::vector<std::vector<TriangleBox>> levels_;  // groups of triangles, groups of those, …
+};
+
+}  // namespace arap
