@@ -44,8 +44,7 @@ Status Extend(CompiledHandlesParts& parts, const std::vector<Handle>& add,
   parts.index = HandleIndex(parts.handles);
   TRY(parts.roles, DecideRoles(mesh.components.size(), parts.rows, cancel));
   TRY(parts.depths, ComputeDepths(mesh, parts.handles, cancel));
-  const bool direct = parts.choice == HandleSolver::kDirect ||
-                      (parts.choice == HandleSolver::kAuto && parts.rows.size() > kDirectRows);
+  const bool direct = FactorsDirectly(parts.rows.size(), parts.choice);
   if (direct && !parts.roles.active_rows.empty()) {
     parts.responses.reset();
     TRY(parts.solver, DirectSolver::Make(parts, cancel));
@@ -98,7 +97,7 @@ Result<std::shared_ptr<const CompiledHandles>> CompiledHandles::Compile(
   auto parts = std::make_unique<CompiledHandlesParts>();
   parts->mesh = std::move(mesh);
   parts->choice = solver;
-  CHECK_OK(Extend(*parts, handles, cancel));
+  CHECK_OK(OrOutOfMemory([&] { return Extend(*parts, handles, cancel); }));
   return std::shared_ptr<const CompiledHandles>(new CompiledHandles(std::move(parts)));
 }
 
@@ -116,7 +115,7 @@ Result<std::shared_ptr<const CompiledHandles>> CompiledHandles::Edit(
     removed[*index] = true;
   }
   auto parts = Without(*parts_, removed);
-  CHECK_OK(Extend(*parts, add, cancel));
+  CHECK_OK(OrOutOfMemory([&] { return Extend(*parts, add, cancel); }));
   return std::shared_ptr<const CompiledHandles>(new CompiledHandles(std::move(parts)));
 }
 

@@ -82,6 +82,11 @@ struct CompiledHandlesParts {
   std::shared_ptr<const ConstraintSolver> solver;
 };
 
+// Whether a set with so many rows is factored together with its mesh.
+inline bool FactorsDirectly(std::size_t rows, HandleSolver choice) {
+  return choice == HandleSolver::kDirect || (choice == HandleSolver::kAuto && rows > kDirectRows);
+}
+
 // What VertexDepths shows. O(#V) per handle with a depth, about 1 ns a vertex. Fault: that of
 // `cancel`, asked handle by handle.
 Result<std::vector<double>> ComputeDepths(const RegisteredMeshParts& mesh,

@@ -130,8 +130,8 @@ ShapeQuality Frame::Measure(std::span<const Target> given,
   for (const Row& row : set_.rows) {
     Complex p = 0;
     for (std::size_t k = 0; k < 3; ++k) p += row.weight[k] * positions[row.vertex[k]];
-    const Target& target = given[row.handle];
-    const Complex wanted = target.position + OffsetAt(target, row.offset) * mesh_.report.diagonal;
+    const Complex wanted =
+        given[row.handle].position + targets_.OffsetOf(row) * mesh_.report.diagonal;
     const double error = std::abs(p - wanted);
     if (error > quality.worst_handle_error) {
       quality.worst_handle_error = error;

@@ -82,17 +82,15 @@ Status Factorise(RegisteredMeshParts& parts, const CancelToken& cancel) {
   for (std::size_t v = 0; v < fixed.size(); ++v) {
     fixed[v] = parts.topology.vertex_component[v] == kNone;
   }
-  for (const MeshComponent& c : parts.components) fixed[c.ground0] = true;
-  const auto rigid_matrix = AssembleRigid(parts.cells, fixed);
-  for (const MeshComponent& c : parts.components) fixed[c.ground1] = true;
-  const auto similarity_matrix = AssembleSimilarity(parts.cells, fixed);
+  // One matrix after the other: on a large mesh each is a good part of all memory.
+  for (const MeshComponent& c : parts.components) fixed[c.ground0] = fixed[c.ground1] = true;
+  TRY(parts.similarity,
+      Factor<Complex>::Make(AssembleSimilarity(parts.cells, fixed), FactorLayout::kPacked));
   CHECK_OK(cancel.Check());
 
-  TRY(parts.similarity, Factor<Complex>::Make(similarity_matrix, FactorLayout::kPacked));
-  CHECK_OK(cancel.Check());
-
+  for (const MeshComponent& c : parts.components) fixed[c.ground1] = false;
   // The order of step 1 would serve, but leaves a third more numbers to read in every frame.
-  TRY(parts.rigid, Factor<double>::Make(rigid_matrix, FactorLayout::kPacked));
+  TRY(parts.rigid, Factor<double>::Make(AssembleRigid(parts.cells, fixed), FactorLayout::kPacked));
   return cancel.Check();
 }
 
@@ -128,6 +126,13 @@ Result<std::shared_ptr<const RegisteredMesh>> RegisteredMesh::Register(PlanarMes
                                                                        const EnergyOptions& options,
                                                                        const MeshLimits& limits,
                                                                        const CancelToken& cancel) {
+  return OrOutOfMemory([&] { return Make(std::move(mesh), options, limits, cancel); });
+}
+
+Result<std::shared_ptr<const RegisteredMesh>> RegisteredMesh::Make(PlanarMesh mesh,
+                                                                   const EnergyOptions& options,
+                                                                   const MeshLimits& limits,
+                                                                   const CancelToken& cancel) {
   const std::vector<Triangle> given = mesh.triangles;
   TRY(auto warnings, ValidatePlanar(mesh, limits));
   CHECK_OK(cancel.Check());

@@ -38,15 +38,11 @@ Fault WhatIsWrong(const Target& t, std::size_t h, const std::string& id) {
 
 }  // namespace
 
-Complex OffsetAt(const Target& target, Complex offset) {
-  if (offset == 0.0) return 0;
-  return target.scale * Complex(std::cos(target.angle), std::sin(target.angle)) * offset;
-}
-
 TargetRows::TargetRows(const CompiledHandlesParts& set)
     : set_(set),
       mesh_(set.mesh->parts()),
       targets_(set.rows.size()),
+      turns_(set.handles.size()),
       shift_(mesh_.components.size()),
       weights_(mesh_.components.size()),
       hard_(mesh_.components.size()) {}
@@ -74,11 +70,14 @@ Status TargetRows::Check(std::span<const Target> given) const {
 }
 
 void TargetRows::PlaceRows(std::span<const Target> given) {
+  for (std::size_t h = 0; h < given.size(); ++h) {
+    const Handle& handle = set_.handles[h].handle;
+    if (!handle.oriented && handle.area_radius == 0) continue;
+    turns_[h] = given[h].scale * Complex(std::cos(given[h].angle), std::sin(given[h].angle));
+  }
   for (std::size_t r = 0; r < set_.rows.size(); ++r) {
     const Row& row = set_.rows[r];
-    const Target& target = given[row.handle];
-    targets_[r] = mesh_.Normalise(target.position);
-    targets_[r] += OffsetAt(target, row.offset);
+    targets_[r] = mesh_.Normalise(given[row.handle].position) + OffsetOf(row);
   }
   middle_ = 0;
   for (const std::size_t r : set_.roles.active_rows) middle_ += targets_[r];

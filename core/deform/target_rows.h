@@ -9,9 +9,6 @@
 
 namespace arap {
 
-// Where the target puts a point that lies `offset` from the handle at rest. Unit of the offset.
-Complex OffsetAt(const Target& target, Complex offset);
-
 // Buffers of one stream; Place allocates nothing unless it fails.
 class TargetRows {
  public:
@@ -25,6 +22,10 @@ class TargetRows {
   Complex middle() const { return middle_; }
   // Target of a row, normalised, relative to middle().
   Complex operator[](std::size_t row) const { return targets_[row]; }
+  // How far the target puts the row's point from the handle, normalised.
+  Complex OffsetOf(const Row& row) const {
+    return row.offset == 0.0 ? 0.0 : turns_[row.handle] * row.offset;
+  }
   // How far a translating component moves, normalised.
   Complex shift(std::size_t component) const { return shift_[component]; }
 
@@ -37,6 +38,7 @@ class TargetRows {
   const CompiledHandlesParts& set_;
   const RegisteredMeshParts& mesh_;
   std::vector<Complex> targets_;  // per row
+  std::vector<Complex> turns_;    // per handle with an offset: its rotation and scale
   std::vector<Complex> shift_;    // per component
   std::vector<double> weights_;   // per component, of PlaceTranslating
   std::vector<bool> hard_;        // per component: whether a hard row decides

@@ -1,5 +1,6 @@
 #include "core/sparse/factor.h"
 
+#include <cstdint>
 #include <mutex>
 #include <optional>
 #include <type_traits>
@@ -7,6 +8,7 @@
 #include <cholmod.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
 
 #include "core/base/cpu_timer.h"
 #include "core/base/try.h"
@@ -101,14 +103,37 @@ int CholmodMode(FactorLayout layout) {
   return CHOLMOD_AUTO;
 }
 
+// Gives back the memory of an array from its end, in large pieces; what was there is lost.
+class Shrinking {
+ public:
+  Shrinking(void* data, std::size_t bytes) : end_(reinterpret_cast<std::uintptr_t>(data) + bytes) {}
+
+  void DropFrom(const void* begin) {
+    constexpr std::uintptr_t kPiece = std::uintptr_t{16} << 20u, kPage = 4096;
+    const auto from = (reinterpret_cast<std::uintptr_t>(begin) + kPage - 1) / kPage * kPage;
+    const std::uintptr_t to = end_ / kPage * kPage;
+    if (from + kPiece > to) return;
+    madvise(reinterpret_cast<void*>(from), to - from, MADV_DONTNEED);
+    end_ = from;
+  }
+
+ private:
+  std::uintptr_t end_;
+};
+
+// With `drop` the factor's numbers are lost: a large factor is never there twice.
 template <class Scalar>
-PackedFactor<Scalar> Packed(const cholmod_factor& f) {
+PackedFactor<Scalar> Packed(const cholmod_factor& f, bool drop) {
+  Shrinking numbers(f.x, f.xsize * sizeof(Scalar));
+  typename PackedFactor<Scalar>::ReadFrom read_from;
+  if (drop) read_from = [&](const Scalar* begin) { numbers.DropFrom(begin); };
   const auto view = [](const void* data, std::size_t size) {
     return std::span(static_cast<const int*>(data), size);
   };
-  return PackedFactor<Scalar>({view(f.super, f.nsuper + 1), view(f.pi, f.nsuper + 1),
-                               view(f.s, f.ssize), view(f.px, f.nsuper + 1),
-                               static_cast<const Scalar*>(f.x), view(f.Perm, f.n)});
+  return PackedFactor<Scalar>(
+      {view(f.super, f.nsuper + 1), view(f.pi, f.nsuper + 1), view(f.s, f.ssize),
+       view(f.px, f.nsuper + 1), static_cast<const Scalar*>(f.x), view(f.Perm, f.n)},
+      read_from);
 }
 
 // What CHOLMOD's status says of the work `what` on so many unknowns.
@@ -154,6 +179,7 @@ class FactorData {
 
   Common common;
   FactorLayout layout = FactorLayout::kSupernodal;
+  bool once = false;                 // there will be no second set of values
   cholmod_factor* factor = nullptr;  // nullptr once it is packed for good
   // The one of the factor's scalar, when it is packed.
   std::optional<PackedFactor<double>> real;
@@ -243,7 +269,7 @@ Status Factor<Scalar>::Again(const Eigen::SparseMatrix<Scalar>& lower) {
     return Fail(FaultOf(status, "Factoring", matrix.nrow));
   }
   if (data_->layout == FactorLayout::kPacked)
-    data_->packed<Scalar>() = Packed<Scalar>(*data_->factor);
+    data_->packed<Scalar>() = Packed<Scalar>(*data_->factor, data_->once);
   return {};
 }
 
@@ -251,6 +277,7 @@ template <class Scalar>
 Result<std::shared_ptr<const Factor<Scalar>>> Factor<Scalar>::Make(
     const Eigen::SparseMatrix<Scalar>& lower, FactorLayout layout, std::span<const int> order) {
   TRY(auto factor, Analyse(lower, layout, order));
+  factor->data_->once = true;
   CHECK_OK(factor->Again(lower));
   if (layout == FactorLayout::kPacked) factor->data_->DropCholmod();
   cholmod_free_work(factor->data_->common.get());  // solves have workspaces of their own

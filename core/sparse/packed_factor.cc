@@ -41,23 +41,27 @@ double* PutInverse(const Scalar* block, std::size_t stride, std::size_t width, d
 }  // namespace
 
 template <class Scalar>
-PackedFactor<Scalar>::PackedFactor(const Supernodes<Scalar>& l)
+PackedFactor<Scalar>::PackedFactor(const Supernodes<Scalar>& l, const ReadFrom& read_from)
     : order_(l.order.begin(), l.order.end()) {
-  std::size_t numbers = 0, panels = 0;
+  std::size_t panels = 0;
   constexpr std::size_t kColumns = kPanelWidth / kNumbers<Scalar>;
   for (std::size_t s = 0; s + 1 < l.first.size(); ++s) {
     const auto width = static_cast<std::size_t>(l.first[s + 1] - l.first[s]);
     const auto height = static_cast<std::size_t>(l.rows_begin[s + 1] - l.rows_begin[s]);
     panels += (width + kColumns - 1) / kColumns;
-    for (std::size_t c = 0; c < width; ++c) numbers += (height - c) * kNumbers<Scalar>;
+    for (std::size_t c = 0; c < width; ++c) panels_.numbers += (height - c) * kNumbers<Scalar>;
   }
   panels_.panels.reserve(panels);
   panels_.rows.assign(l.rows.begin(), l.rows.end());
-  panels_.values.resize(numbers);
-  double* out = panels_.values.data();
+  // Not set to 0: memory that is not written yet is not there yet.
+  panels_.values = std::make_unique_for_overwrite<double[]>(panels_.numbers);
+  double* out = panels_.values.get();
   // The last first: the pass from the root to the leaves is the one that is never cut short, and
   // reads forwards so.
-  for (std::size_t s = l.first.size() - 1; s-- > 0;) out = Pack(l, s, out);
+  for (std::size_t s = l.first.size() - 1; s-- > 0;) {
+    out = Pack(l, s, out);
+    if (read_from) read_from(l.values + l.values_begin[s]);
+  }
   std::reverse(panels_.panels.begin(), panels_.panels.end());
 }
 
@@ -79,7 +83,7 @@ double* PackedFactor<Scalar>::Pack(const Supernodes<Scalar>& l, std::size_t supe
     panel.width = static_cast<std::uint32_t>(end - begin);
     panel.rows = static_cast<std::uint32_t>(rows + end);
     panel.count = static_cast<std::uint32_t>(height - end);
-    panel.values = static_cast<std::size_t>(out - panels_.values.data());
+    panel.values = static_cast<std::size_t>(out - panels_.values.get());
     panels_.panels.push_back(panel);
     out = PutInverse(block + begin * height + begin, height, end - begin, out);
     for (std::size_t r = end; r < height; ++r) {
@@ -130,7 +134,7 @@ void PackedFactor<Scalar>::Solve(const Scalar* right, std::size_t columns, Scala
 template <class Scalar>
 std::size_t PackedFactor<Scalar>::bytes() const {
   return order_.size() * sizeof(int) + panels_.panels.size() * sizeof(Panel) +
-         panels_.rows.size() * sizeof(std::uint32_t) + panels_.values.size() * sizeof(double);
+         panels_.rows.size() * sizeof(std::uint32_t) + panels_.numbers * sizeof(double);
 }
 
 template class PackedFactor<double>;

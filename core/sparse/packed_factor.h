@@ -5,6 +5,7 @@
 
 #include <complex>
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -27,7 +28,11 @@ struct Supernodes {
 template <class Scalar>
 class PackedFactor {
  public:
-  explicit PackedFactor(const Supernodes<Scalar>& l);
+  // Tells from where on the numbers have been read for the last time.
+  using ReadFrom = std::function<void(const Scalar* begin)>;
+
+  // `read_from` is called again and again, with less and less left, and may give memory back.
+  explicit PackedFactor(const Supernodes<Scalar>& l, const ReadFrom& read_from = {});
 
   std::size_t size() const { return order_.size(); }
   std::span<const int> order() const { return order_; }

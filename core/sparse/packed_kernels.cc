@@ -125,7 +125,7 @@ ARAP_WIDE_BODY void OnePanel(bool forward, const double* m, const std::uint32_t*
 template <bool kComplex, std::size_t kLanes>
 ARAP_WIDE_BODY void OnePanel(bool forward, const PackedPanels& factor, const Panel& panel,
                              double* x) {
-  const double* m = factor.values.data() + panel.values;
+  const double* m = factor.values.get() + panel.values;
   const std::uint32_t* rows = factor.rows.data() + panel.rows;
   const std::size_t count = panel.count, first = panel.first;
   if constexpr (kComplex) {

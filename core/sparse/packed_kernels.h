@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -31,7 +32,8 @@ struct Panel {
 struct PackedPanels {
   std::vector<Panel> panels;  // by first column
   std::vector<std::uint32_t> rows;
-  std::vector<double> values;
+  std::unique_ptr<double[]> values;
+  std::size_t numbers = 0;  // of `values`
 };
 
 // x := (L Lᴴ)⁻¹ x in place. x is #n×lanes, a row's lanes together.

@@ -1,14 +1,19 @@
-// Deformer::Update does not touch the heap once it is warm. This program counts every malloc in the
-// process: those of new, of Eigen and of CHOLMOD alike.
+// Deformer::Update does not touch the heap once it is warm, and memory that runs out is a fault. This
+// program counts every malloc in the process, those of new, of Eigen and of CHOLMOD alike, and can
+// refuse one.
 #include <atomic>
 #include <cstddef>
 
+#include "core/base/try.h"
 #include "tests/core/deform/fixture.h"
 #include "tests/support/meshes.h"
 
 namespace {
 std::atomic<long> allocations{0};
-}
+std::atomic<long> refused{-1};  // the allocation that is not granted
+
+bool Granted() { return ++allocations != refused; }
+}  // namespace
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define ARAP_COUNTS_MALLOC 0  // sanitizers own malloc
@@ -18,17 +23,12 @@ extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* old, std::size_t size);
-void* malloc(std::size_t size) noexcept {
-  ++allocations;
-  return __libc_malloc(size);
-}
+void* malloc(std::size_t size) noexcept { return Granted() ? __libc_malloc(size) : nullptr; }
 void* calloc(std::size_t count, std::size_t size) noexcept {
-  ++allocations;
-  return __libc_calloc(count, size);
+  return Granted() ? __libc_calloc(count, size) : nullptr;
 }
 void* realloc(void* old, std::size_t size) noexcept {
-  ++allocations;
-  return __libc_realloc(old, size);
+  return Granted() ? __libc_realloc(old, size) : nullptr;
 }
 }
 #endif
@@ -57,6 +57,43 @@ TEST(AllocationTest, AWarmUpdateDoesNotAllocate) {
       }
       EXPECT_EQ(allocations - before, 0) << handles << " handles";
     }
+  }
+}
+
+// Refuses one allocation after the other of `job`, until it needs no more.
+template <class Job>
+void RefuseEach(Job job) {
+  long faults = 0;
+  for (long nth = 1;; ++nth) {
+    refused = allocations + nth;
+    const auto made = job();
+    const bool was_refused = allocations >= refused;
+    refused = -1;
+    if (!was_refused) {
+      EXPECT_TRUE(made.has_value());
+      break;
+    }
+    // Some libraries ask for less when they cannot have much.
+    if (made.has_value()) continue;
+    ++faults;
+    ASSERT_EQ(made.error().kind, FaultKind::kOutOfMemory) << nth << ": " << made.error().message;
+  }
+  EXPECT_GT(faults, 20);
+}
+
+TEST(OutOfMemoryTest, IsAFaultOfRegistrationAndCompilation) {
+  if (!ARAP_COUNTS_MALLOC) GTEST_SKIP() << "the sanitizer owns malloc";
+  const PlanarMesh mesh = JitteredGrid(5, 5, 2);
+  RefuseEach([&] { return OrOutOfMemory([&] { return RegisteredMesh::Register(mesh, {}); }); });
+  const auto registered = Register(mesh);
+  auto handles = RandomHandles(mesh, 6, 5);
+  handles[0].depth = 1;
+  handles[1].hard = true;
+  for (const HandleSolver solver : {HandleSolver::kNullSpace, HandleSolver::kDirect}) {
+    RefuseEach([&] {
+      return OrOutOfMemory(
+          [&] { return CompiledHandles::Compile(registered, handles, {}, solver); });
+    });
   }
 }
 

@@ -44,7 +44,7 @@ class CompiledHandles {
   // Faults, with the field "handles[i]…" and the number of the handle in `Fault::elements`:
   //   kDuplicateHandle; kIndexOutOfRange for a vertex or triangle that the mesh has not;
   //   kHandleOutside for a position outside the mesh (detail "distance") or a vertex without a
-  //   triangle; kInvalidOption for a number out of its bounds; kNumerical; whatever `cancel`
+  //   triangle; kInvalidOption for a number out of its bounds; kNumerical; kOutOfMemory; whatever `cancel`
   //   answers between blocks of rows.
   static Result<std::shared_ptr<const CompiledHandles>> Compile(
       std::shared_ptr<const RegisteredMesh> mesh, const std::vector<Handle>& handles,

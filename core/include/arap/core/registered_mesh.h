@@ -27,7 +27,7 @@ class RegisteredMesh {
   //   kEmptyMesh, kMeshTooLarge (beyond `limits`), kNonFiniteCoordinate (or beyond 1e150),
   //   kIndexOutOfRange, kRepeatedIndex, kDuplicateTriangle, kNonManifoldEdge, kDegenerateTriangle;
   //   kArrayLength and kInvalidOption for the rigidity; kNumerical when a factorisation fails;
-  //   whatever `cancel` answers between the phases.
+  //   kOutOfMemory; whatever `cancel` answers between the phases.
   static Result<std::shared_ptr<const RegisteredMesh>> Register(PlanarMesh mesh,
                                                                 const EnergyOptions& options,
                                                                 const MeshLimits& limits = {},
@@ -46,6 +46,10 @@ class RegisteredMesh {
   const RegisteredMeshParts& parts() const { return *parts_; }
 
  private:
+  static Result<std::shared_ptr<const RegisteredMesh>> Make(PlanarMesh mesh,
+                                                            const EnergyOptions& options,
+                                                            const MeshLimits& limits,
+                                                            const CancelToken& cancel);
   explicit RegisteredMesh(std::unique_ptr<const RegisteredMeshParts> parts);
   std::unique_ptr<const RegisteredMeshParts> parts_;
 };
