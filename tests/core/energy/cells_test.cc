@@ -97,7 +97,9 @@ TEST(CellsTest, TheMatrixOfALargeStarIsTheSumOfItsResiduals) {
     for (std::uint32_t row = v; row < n; ++row) {
       const Complex got = lower.coeff(static_cast<int>(row), static_cast<int>(v));
       EXPECT_LE(std::abs(got - expected[row]), 1e-11) << row << " " << v;
-      if (row == v) EXPECT_EQ(got.imag(), 0);
+      if (row == v) {
+        EXPECT_EQ(got.imag(), 0);
+      }
     }
   }
 }
