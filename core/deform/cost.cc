@@ -11,19 +11,19 @@
 namespace arap {
 namespace {
 
-// What was measured, in seconds per vertex, byte or row; docs/operations.md says where.
-constexpr double kValidateVertex = 4e-6;  // validation, topology, cells, matrices
-constexpr double kFactorVertex = 5.5e-9;  // both factorisations, per n^1.5
-constexpr double kSolveByte = 0.35e-9;    // one pass over a factor, a few columns
-constexpr double kSparseSolveByte = 0.5e-9;
-constexpr double kStepVertex = 60e-9;     // a rigid step beside its solve
-constexpr double kFrameVertex = 50e-9;    // targets, step 1 beside its rows, measures
-constexpr double kColumnNumber = 0.5e-9;  // a number of a response, added to a shape
-constexpr double kRow = 60e-9;            // a row of a frame: its target, its error
-constexpr double kDepthVertex = 1.5e-9;   // a vertex in the cone of one handle
-constexpr double kBoxTriangle = 12e-9;    // a triangle put into boxes
-constexpr double kPick = 2e-6;
-constexpr double kDenseOperation = 0.5e-9;  // of a factorisation of a dense matrix
+// What was measured, in milliseconds per vertex, byte or row; docs/operations.md says where.
+constexpr double kValidateVertex = 4e-3;  // validation, topology, cells, matrices
+constexpr double kFactorVertex = 5.5e-6;  // both factorisations, per n^1.5
+constexpr double kSolveByte = 0.35e-6;    // one pass over a factor, a few columns
+constexpr double kSparseSolveByte = 0.5e-6;
+constexpr double kStepVertex = 60e-6;     // a rigid step beside its solve
+constexpr double kFrameVertex = 50e-6;    // targets, step 1 beside its rows, measures
+constexpr double kColumnNumber = 0.5e-6;  // a number of a response, added to a shape
+constexpr double kRow = 60e-6;            // a row of a frame: its target, its error
+constexpr double kDepthVertex = 1.5e-6;   // a vertex in the cone of one handle
+constexpr double kBoxTriangle = 12e-6;    // a triangle put into boxes
+constexpr double kPick = 2e-3;
+constexpr double kDenseOperation = 0.5e-6;  // of a factorisation of a dense matrix
 
 void Count(const Row& row, RowCount& count) {
   ++count.rows;
@@ -50,21 +50,21 @@ Cost CostOfRows(const RegisteredMesh& mesh, const RowCount& rows, std::size_t so
                 bool factors) {
   const Sizes size = SizesOf(mesh);
   Cost cost;
-  cost.seconds = 1e-4 + kBoxTriangle * size.triangles + kRow * static_cast<double>(rows.rows) +
-                 kDepthVertex * size.vertices * static_cast<double>(rows.depths);
+  cost.milliseconds = 0.1 + kBoxTriangle * size.triangles + kRow * static_cast<double>(rows.rows) +
+                      kDepthVertex * size.vertices * static_cast<double>(rows.depths);
   double bytes = static_cast<double>(rows.rows) * 2 * sizeof(Row) + 2 * 8 * size.vertices;
   if (factors) {
     const double k = static_cast<double>(rows.inside);
-    cost.seconds += kValidateVertex / 2 * size.vertices +
-                    kFactorVertex * std::pow(size.vertices, 1.5) +
-                    k * kSparseSolveByte * (size.similarity + size.rigid) +
-                    kDenseOperation * 5 * Cube(rows.inside);
+    cost.milliseconds += kValidateVertex / 2 * size.vertices +
+                         kFactorVertex * std::pow(size.vertices, 1.5) +
+                         k * kSparseSolveByte * (size.similarity + size.rigid) +
+                         kDenseOperation * 5 * Cube(rows.inside);
     bytes += RegistrationPeak(size.vertices) + k * k * 5 * sizeof(double);
   } else {
     const double k = static_cast<double>(rows.rows), added = static_cast<double>(solved);
-    cost.seconds += added * (kSparseSolveByte * (size.similarity + size.rigid) / 2 +
-                             3 * kColumnNumber * size.vertices) +
-                    kDenseOperation * 5 * k * k * k;
+    cost.milliseconds += added * (kSparseSolveByte * (size.similarity + size.rigid) / 2 +
+                                  3 * kColumnNumber * size.vertices) +
+                         kDenseOperation * 5 * k * k * k;
     bytes += added * 3 * sizeof(double) * size.vertices + 7 * 8 * size.vertices * 4 +
              k * k * 6 * sizeof(double);
   }
@@ -74,9 +74,9 @@ Cost CostOfRows(const RegisteredMesh& mesh, const RowCount& rows, std::size_t so
 
 }  // namespace
 
-Cost RegistrationCost(std::size_t vertices, Basis) {
+Cost EstimateRegistration(std::size_t vertices, Basis) {
   const auto n = static_cast<double>(vertices);
-  return {1e-4 + kValidateVertex * n + kFactorVertex * std::pow(n, 1.5),
+  return {0.1 + kValidateVertex * n + kFactorVertex * std::pow(n, 1.5),
           static_cast<std::size_t>(RegistrationPeak(n))};
 }
 
@@ -98,12 +98,12 @@ RowCount CountRows(const CompiledHandles& handles) {
   return count;
 }
 
-Cost CompilationCost(const RegisteredMesh& mesh, const RowCount& rows) {
+Cost EstimateCompilation(const RegisteredMesh& mesh, const RowCount& rows) {
   return CostOfRows(mesh, rows, rows.rows, FactorsDirectly(rows.rows, HandleSolver::kAuto));
 }
 
-EditCost CostOfEdit(const CompiledHandles& handles, std::span<const std::string> remove,
-                    const RowCount& added) {
+EditCost EstimateEdit(const CompiledHandles& handles, std::span<const std::string> remove,
+                      const RowCount& added) {
   const CompiledHandlesParts& set = handles.parts();
   std::unordered_set<std::size_t> removed;
   for (const std::string& id : remove) {
@@ -122,7 +122,8 @@ EditCost CostOfEdit(const CompiledHandles& handles, std::span<const std::string>
   return {CostOfRows(*set.mesh, after, solved, factors), factors};
 }
 
-Cost FrameCost(const CompiledHandles& handles, const DeformOptions& options, std::size_t picks) {
+Cost EstimateFrame(const CompiledHandles& handles, const DeformOptions& options,
+                   std::size_t picks) {
   const CompiledHandlesParts& set = handles.parts();
   const Sizes size = SizesOf(*set.mesh);
   const auto rows = static_cast<double>(set.rows.size());
@@ -140,11 +141,11 @@ Cost FrameCost(const CompiledHandles& handles, const DeformOptions& options, std
     column2 = 2 * rows * kColumnNumber * size.vertices;
   }
   Cost cost;
-  cost.seconds = 2e-5 + kFrameVertex * size.vertices + kRow * rows + solve1 + column1 +
-                 steps * (kStepVertex * size.vertices + solve2 + column2);
+  cost.milliseconds = 0.02 + kFrameVertex * size.vertices + kRow * rows + solve1 + column1 +
+                      steps * (kStepVertex * size.vertices + solve2 + column2);
   cost.bytes = 0;
   if (picks > 0) {
-    cost.seconds += kBoxTriangle * size.triangles + kPick * static_cast<double>(picks);
+    cost.milliseconds += kBoxTriangle * size.triangles + kPick * static_cast<double>(picks);
     cost.bytes = static_cast<std::size_t>(8 * size.triangles) + picks * 64;
   }
   return cost;

@@ -81,10 +81,7 @@ class GroundedSystem {
     std::vector<Scalar> again(right.size());
     for (int step = 0; step < kLiftSteps; ++step) {
       for (std::size_t i = 0; i < right.size(); ++i) again[i] = right[i] + lifted_[i % n] * x[i];
-      const auto better = factor_->Solve(again, columns, workspace);
-      if (better.empty()) {
-        return Fail(FaultKind::kNumerical, "A back-substitution ran out of memory.");
-      }
+      TRY(const auto better, factor_->Solve(again, columns, workspace));
       std::copy(better.begin(), better.end(), x.begin());
     }
     return {};

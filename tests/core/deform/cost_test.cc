@@ -37,18 +37,18 @@ TEST(CostTest, SaysWhetherAnEditFactors) {
   const RowCount one{1, 0, 0}, none{};
   const std::vector<std::string> five{"h0", "h1", "h2", "h3", "h4"}, unknown{"nobody"};
 
-  EXPECT_FALSE(CostOfEdit(*few, five, one).factors);
-  EXPECT_TRUE(CostOfEdit(*few, {}, one).factors);
-  EXPECT_TRUE(CostOfEdit(*few, unknown, one).factors);
-  EXPECT_TRUE(CostOfEdit(*many, {}, none).factors);
-  EXPECT_FALSE(CostOfEdit(*many, five, one).factors);
+  EXPECT_FALSE(EstimateEdit(*few, five, one).factors);
+  EXPECT_TRUE(EstimateEdit(*few, {}, one).factors);
+  EXPECT_TRUE(EstimateEdit(*few, unknown, one).factors);
+  EXPECT_TRUE(EstimateEdit(*many, {}, none).factors);
+  EXPECT_FALSE(EstimateEdit(*many, five, one).factors);
   EXPECT_EQ(Must(few->Edit({}, {handles.back()}))->direct(), true);
   EXPECT_EQ(Must(many->Edit(five, {}))->direct(), false);
 
   // A row more is cheap beside all rows anew.
   const auto eight = Compile(registered, {handles.begin(), handles.begin() + 8});
-  EXPECT_LT(CostOfEdit(*eight, {}, one).cost.seconds,
-            CostOfEdit(*many, five, one).cost.seconds / 4);
+  EXPECT_LT(EstimateEdit(*eight, {}, one).cost.milliseconds,
+            EstimateEdit(*many, five, one).cost.milliseconds / 4);
 }
 
 TEST(CostTest, CoversTheMemoryThatIsKept) {
@@ -56,10 +56,11 @@ TEST(CostTest, CoversTheMemoryThatIsKept) {
     for (const Basis basis : {Basis::kEdge, Basis::kFace, Basis::kVertex}) {
       const PlanarMesh mesh = JitteredGrid(side, side, 2);
       const auto registered = Register(mesh, basis);
-      EXPECT_GE(RegistrationCost(mesh.vertices.size(), basis).bytes, registered->report().bytes);
+      EXPECT_GE(EstimateRegistration(mesh.vertices.size(), basis).bytes,
+                registered->report().bytes);
       for (const std::size_t count : {4u, 60u, 120u}) {
         const auto set = Compile(registered, RandomHandles(mesh, count, 3));
-        EXPECT_GE(CompilationCost(*registered, CountRows(*set)).bytes, set->bytes());
+        EXPECT_GE(EstimateCompilation(*registered, CountRows(*set)).bytes, set->bytes());
       }
     }
   }
@@ -71,19 +72,19 @@ TEST(CostTest, GrowsWithEverythingThatIsAskedFor) {
   for (const std::size_t count : {5u, 120u}) {
     auto handles = RandomHandles(mesh, count, 3);
     const auto set = Compile(registered, handles);
-    const double plain = FrameCost(*set, {}).seconds;
-    EXPECT_GT(FrameCost(*set, {DeformMode::kRigid, 1000}).seconds, 100 * plain);
-    EXPECT_LT(FrameCost(*set, {DeformMode::kSimilarity, 1000}).seconds, plain);
-    EXPECT_GT(FrameCost(*set, {}, 1000).seconds, plain);
+    const double plain = EstimateFrame(*set, {}).milliseconds;
+    EXPECT_GT(EstimateFrame(*set, {DeformMode::kRigid, 1000}).milliseconds, 100 * plain);
+    EXPECT_LT(EstimateFrame(*set, {DeformMode::kSimilarity, 1000}).milliseconds, plain);
+    EXPECT_GT(EstimateFrame(*set, {}, 1000).milliseconds, plain);
     RowCount more = CountRows(*set);
-    const double compile = CompilationCost(*registered, more).seconds;
+    const double compile = EstimateCompilation(*registered, more).milliseconds;
     more.depths = 1000;
-    EXPECT_GT(CompilationCost(*registered, more).seconds, compile);
+    EXPECT_GT(EstimateCompilation(*registered, more).milliseconds, compile);
     more.inside = more.rows += 1000;
-    EXPECT_GT(CompilationCost(*registered, more).seconds, compile);
+    EXPECT_GT(EstimateCompilation(*registered, more).milliseconds, compile);
   }
-  EXPECT_GT(RegistrationCost(200'000, Basis::kEdge).seconds,
-            2 * RegistrationCost(100'000, Basis::kEdge).seconds);
+  EXPECT_GT(EstimateRegistration(200'000, Basis::kEdge).milliseconds,
+            2 * EstimateRegistration(100'000, Basis::kEdge).milliseconds);
 }
 
 }  // namespace

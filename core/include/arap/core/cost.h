@@ -20,8 +20,8 @@
 namespace arap {
 
 struct Cost {
-  double seconds = 0;     // of processor time
-  std::size_t bytes = 0;  // at the peak, beside what is there before; what is kept is less
+  double milliseconds = 0;  // of processor time
+  std::size_t bytes = 0;    // at the peak, beside what is there before; what is kept is less
 };
 
 // The rows of a handle set, by what they cost.
@@ -34,7 +34,7 @@ struct RowCount {
 };
 
 // RegisteredMesh::Register of so many vertices in one piece; a strip or many pieces cost less.
-Cost RegistrationCost(std::size_t vertices, Basis basis);
+Cost EstimateRegistration(std::size_t vertices, Basis basis);
 
 // Finds the handles on the mesh, as CompiledHandles::Compile does first, and counts their rows.
 // O(#F) and the rows. Faults: those of Compile but for kDuplicateHandle and kNumerical.
@@ -43,7 +43,7 @@ Result<RowCount> CountRows(const RegisteredMesh& mesh, const std::vector<Handle>
 RowCount CountRows(const CompiledHandles& handles);
 
 // CompiledHandles::Compile of handles with so many rows.
-Cost CompilationCost(const RegisteredMesh& mesh, const RowCount& rows);
+Cost EstimateCompilation(const RegisteredMesh& mesh, const RowCount& rows);
 
 // CompiledHandles::Edit: `factors` says that mesh and handles are factored together anew, which
 // takes about as long as the registration did.
@@ -52,11 +52,12 @@ struct EditCost {
   bool factors = false;
 };
 // Ids in `remove` that no handle has count for nothing; `added` is CountRows of those to add.
-EditCost CostOfEdit(const CompiledHandles& handles, std::span<const std::string> remove,
-                    const RowCount& added);
+EditCost EstimateEdit(const CompiledHandles& handles, std::span<const std::string> remove,
+                      const RowCount& added);
 
 // Deformer::Update with these options, and FindPicks of so many points.
-Cost FrameCost(const CompiledHandles& handles, const DeformOptions& options, std::size_t picks = 0);
+Cost EstimateFrame(const CompiledHandles& handles, const DeformOptions& options,
+                   std::size_t picks = 0);
 
 // What a Deformer with so many lanes holds once it is warm.
 std::size_t DeformerBytes(const CompiledHandles& handles, std::size_t lanes = 1);
