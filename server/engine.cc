@@ -22,6 +22,8 @@ constexpr std::size_t kJobsAside = 8;
 
 }  // namespace
 
+const char* Version() { return ARAP_VERSION; }
+
 Engine::Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::Clock& the_clock,
                store::Stores the_stores)
     : Workshop(the_limits, the_clock, std::move(the_stores)),

@@ -17,6 +17,9 @@
 
 namespace arap::app {
 
+// The version of the server, "major.minor.patch".
+const char* Version();
+
 // How much runs at once.
 struct Lanes {
   std::size_t workers = 2;          // threads of the interactive lane

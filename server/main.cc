@@ -19,11 +19,8 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "server/config/check.h"
 #include "server/config/config.h"
-#include "server/config/logs.h"
 #include "server/host/host.h"
-#include "server/version.h"
 
 namespace {
 

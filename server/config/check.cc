@@ -1,5 +1,4 @@
-#include "server/config/check.h"
-
+// What can be found wrong with a config without serving.
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
@@ -13,6 +12,7 @@
 #include <unistd.h>
 
 #include "core/base/try.h"
+#include "server/config/config.h"
 #include "server/host/admin_http.h"
 #include "server/host/credentials.h"
 #include "server/host/listen.h"

@@ -10,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-#include "server/config/flags.h"
+#include <CLI/CLI.hpp>
 
 namespace arap::config {
 namespace {

@@ -2,22 +2,18 @@
 #pragma once
 
 #include <chrono>
-#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "arap/base/result.h"
+#include "server/config/logs.h"
 #include "server/host/host.h"
 
-namespace arap::config {
+namespace CLI {
+class App;
+}
 
-struct LogOptions {
-  std::string level = "info";
-  std::string file;  // empty: standard error
-  std::size_t max_bytes = std::size_t{64} << 20u;
-  std::size_t files = 5;     // rotated ones, beside the one that is written
-  std::string access = "-";  // "-": into the log; "off"; else a file of its own
-};
+namespace arap::config {
 
 struct Config {
   host::HostOptions host;
@@ -53,6 +49,13 @@ struct Outcome {
 // for the terminal.
 Result<Outcome> Read(const std::vector<std::string>& arguments,
                      const std::vector<std::string>& environment);
+
+// Adds every flag but --config. `config` outlives `app`; its values are the defaults.
+void AddFlags(CLI::App& app, Config& config);
+
+// Whatever can be found wrong without serving: addresses, files, folders, numbers that contradict
+// each other. Nothing is created, bound or connected. Faults name the flag in `field`.
+Status Check(const Config& config);
 
 // The value without a password: of "redis://user:word@host:1" and of "redis://:word@host:1" the
 // word becomes "***".

@@ -1,11 +1,11 @@
-#include "server/config/flags.h"
-
+// The flags of arapd.
 #include <chrono>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "server/config/config.h"
 #include "server/host/listen.h"
-#include "server/version.h"
 
 namespace arap::config {
 namespace {

@@ -1,14 +1,23 @@
 // The loggers that a config asks for. Nothing here is global: main puts them in their places.
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <string>
 
 #include <spdlog/logger.h>
 
 #include "arap/base/result.h"
-#include "server/config/config.h"
 
 namespace arap::config {
+
+struct LogOptions {
+  std::string level = "info";
+  std::string file;  // empty: standard error
+  std::size_t max_bytes = std::size_t{64} << 20u;
+  std::size_t files = 5;     // rotated ones, beside the one that is written
+  std::string access = "-";  // "-": into the log; "off"; else a file of its own
+};
 
 struct Logs {
   std::shared_ptr<spdlog::logger> main;

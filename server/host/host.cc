@@ -16,13 +16,9 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "core/base/mutex.h"
 #include "core/base/try.h"
-#include "server/host/admin_http.h"
 #include "server/host/listen.h"
 #include "server/host/process_metrics.h"
-#include "server/rpc/services.h"
-#include "server/runtime/ticker.h"
 
 namespace arap::host {
 namespace {
@@ -67,177 +63,6 @@ std::unique_ptr<grpc::Server> Build(grpc::ServerBuilder& builder) {
 
 }  // namespace
 
-class Host::Impl {
- public:
-  Impl(const HostOptions& options, std::shared_ptr<const runtime::Clock> clock,
-       std::unique_ptr<Credentials> credentials, store::Stores stores)
-      : clock_(std::move(clock)),
-        credentials_(std::move(credentials)),
-        engine_(options.limits, options.lanes, *clock_, std::move(stores)),
-        readiness_(options.stuck_after, *clock_),
-        services_(rpc::MakeServices(engine_, credentials_->identity())),
-        listen_(options.listen) {
-    // Jobs may take long.
-    for (const runtime::WorkerPool* lane : {&engine_.interactive, &engine_.control}) {
-      readiness_.WatchLane(lane->name(), [lane] { return lane->stats(); });
-    }
-    readiness_.WatchStore([this] { return engine_.stores.specs->Probe(); });
-    WatchProcess(engine_.metrics);
-    WatchEngine(engine_);
-  }
-
-  ~Impl() { Stop(std::chrono::milliseconds::zero()); }
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
-
-  app::Engine& engine() { return engine_; }
-  Credentials& credentials() { return *credentials_; }
-  const Readiness& readiness() const { return readiness_; }
-
-  std::string admin_address() const { return admin_ ? admin_->address() : std::string(); }
-
-  Result<std::vector<std::string>> Serve(const HostOptions& options) {
-    const bool local = std::all_of(listen_.begin(), listen_.end(), IsLocal);
-    if (options.reflection.value_or(local)) {
-      // What is not linked in, reflection cannot show: nothing else here names these messages.
-      google::protobuf::LinkMessageReflection<grpc::health::v1::HealthCheckRequest>();
-      static std::once_flag once;
-      std::call_once(once, grpc::reflection::InitProtoReflectionServerBuilderPlugin);
-    }
-    grpc::ServerBuilder builder;
-    Configure(options, builder);
-    std::vector<int> ports(listen_.size(), 0);
-    for (std::size_t i = 0; i < listen_.size(); ++i) {
-      CHECK_OK(PrepareAddress(listen_[i]));
-      builder.AddListeningPort(listen_[i], credentials_->CredentialsFor(listen_[i]), &ports[i]);
-    }
-    for (const rpc::NamedService& service : services_) {
-      builder.RegisterService(service.service.get());
-    }
-    server_ = Build(builder);
-    if (!server_) return Fail(CannotListen(ports));
-    if (auto* health = server_->GetHealthCheckService()) {
-      for (const rpc::NamedService& service : services_) {
-        health->SetServingStatus(service.name, true);
-      }
-    }
-    std::vector<std::string> addresses;
-    for (std::size_t i = 0; i < listen_.size(); ++i) {
-      addresses.push_back(BoundAddress(listen_[i], ports[i]));
-    }
-    return addresses;
-  }
-
-  // After Serve.
-  Status ServeAdmin(const std::string& address) {
-    if (address.empty()) return {};
-    TRY(admin_, AdminHttp::Start(address, {[this] { return readiness_.Check(); },
-                                           [this] { return engine_.metrics.Text(); }}));
-    return {};
-  }
-
-  void StartHealth() {
-    health_ticker_ = std::make_unique<runtime::Ticker>(kHealthPeriod, [this] { RefreshHealth(); });
-  }
-
-  void StartSweeping(std::chrono::milliseconds period) {
-    sweeping_ = period.count() > 0;
-    sweep_ticker_ = std::make_unique<runtime::Ticker>(period, [this] { Sweep(); });
-  }
-
-  // Says when it begins to fail and when it works again, not every second.
-  void Sweep() {
-    // What a flood or an eviction has freed goes back to the system: by itself the allocator keeps
-    // the most that each of its arenas ever held.
-    if (++sweeps_ % kTrimEvery == 0) malloc_trim(0);
-    const Status swept = engine_.Sweep();
-    if (swept && sweep_failed_) spdlog::info("event=sweeping_again");
-    if (!swept && !sweep_failed_) {
-      spdlog::warn("event=sweep_failed reason={} message=\"{}\"", FaultName(swept.error().kind),
-                   swept.error().message);
-    }
-    sweep_failed_ = !swept;
-  }
-
-  void RefreshHealth() {
-    readiness_.Probe();
-    const Verdict verdict = readiness_.Check();
-    const MutexLock lock(&health_mutex_);
-    if (verdict.state != said_) {
-      spdlog::log(verdict.ready() ? spdlog::level::info : spdlog::level::warn,
-                  "event=readiness state={} why=\"{}\"", StateName(verdict.state), verdict.why);
-    }
-    said_ = verdict.state;
-    Serving(verdict.ready());
-  }
-
-  void AnnounceStop() {
-    readiness_.AnnounceStop();
-    const MutexLock lock(&health_mutex_);
-    said_ = Verdict::State::kDraining;
-    Serving(false);
-  }
-
-  void Stop(std::chrono::milliseconds grace) {
-    AnnounceStop();
-    for (runtime::Ticker* ticker : {health_ticker_.get(), sweep_ticker_.get()}) {
-      if (ticker != nullptr) ticker->Stop();
-    }
-    if (server_) {
-      engine_.streams.Drain();
-      server_->Shutdown(std::chrono::system_clock::now() + grace);
-      server_->Wait();
-      server_.reset();
-      for (const std::string& address : listen_) {
-        if (const std::string path = UnixPath(address); !path.empty()) unlink(path.c_str());
-      }
-    }
-    // After the calls: their last jobs finish them.
-    for (runtime::WorkerPool* lane : {&engine_.control, &engine_.interactive, &engine_.jobs}) {
-      lane->Stop();
-    }
-    // Lives that have become longer since the last sweep.
-    if (std::exchange(sweeping_, false)) Sweep();
-    admin_.reset();
-  }
-
- private:
-  void Serving(bool serving) ABSL_EXCLUSIVE_LOCKS_REQUIRED(health_mutex_) {
-    auto* health = server_ ? server_->GetHealthCheckService() : nullptr;
-    if (health != nullptr) health->SetServingStatus(serving);
-  }
-
-  Fault CannotListen(const std::vector<int>& ports) const {
-    // The first port that was not bound; those after it were not tried.
-    std::size_t failed = 0;
-    while (failed + 1 < ports.size() && ports[failed] != 0) ++failed;
-    const std::string address = listen_.empty() ? "(no address)" : listen_[failed];
-    return Fault(FaultKind::kAlreadyExists,
-                 fmt::format("Cannot listen on {}: it is in use or not an address of this machine.",
-                             address))
-        .Field("listen")
-        .Detail("address", address);
-  }
-
-  // Destroyed from the bottom up: the server before its services before what they work on.
-  const std::shared_ptr<const runtime::Clock> clock_;
-  const std::unique_ptr<Credentials> credentials_;
-  app::Engine engine_;
-  Readiness readiness_;
-  const std::vector<rpc::NamedService> services_;
-  const std::vector<std::string> listen_;
-  std::unique_ptr<grpc::Server> server_;
-  std::unique_ptr<AdminHttp> admin_;
-  Mutex health_mutex_;  // what is said to grpc.health follows the order of what is found
-  Verdict::State said_ ABSL_GUARDED_BY(health_mutex_) = Verdict::State::kReady;
-  std::unique_ptr<runtime::Ticker> health_ticker_;
-  // Of the thread that sweeps.
-  std::size_t sweeps_ = 0;
-  bool sweep_failed_ = false;
-  bool sweeping_ = false;
-  std::unique_ptr<runtime::Ticker> sweep_ticker_;
-};
-
 Result<std::unique_ptr<Host>> Host::Start(HostOptions options) {
   std::shared_ptr<const runtime::Clock> clock = options.clock;
   if (!clock) clock = std::make_shared<runtime::SystemClock>();
@@ -246,32 +71,139 @@ Result<std::unique_ptr<Host>> Host::Start(HostOptions options) {
   options.store.on_recovery = LogRecovery;
   TRY(auto stores, store::OpenStores(options.store));
   if (stores.recovery) LogRecovery(*stores.recovery);
-  auto impl =
-      std::make_unique<Impl>(options, std::move(clock), std::move(credentials), std::move(stores));
-  TRY(auto addresses, impl->Serve(options));
-  CHECK_OK(impl->ServeAdmin(options.admin));
-  impl->StartHealth();
-  impl->StartSweeping(options.sweep);
-  return std::unique_ptr<Host>(new Host(std::move(impl), std::move(addresses)));
+  std::unique_ptr<Host> host(
+      new Host(options, std::move(clock), std::move(credentials), std::move(stores)));
+  CHECK_OK(host->Serve(options));
+  return host;
 }
 
-Host::Host(std::unique_ptr<Impl> impl, std::vector<std::string> addresses)
-    : impl_(std::move(impl)), addresses_(std::move(addresses)) {}
+Host::Host(const HostOptions& options, std::shared_ptr<const runtime::Clock> clock,
+           std::unique_ptr<Credentials> credentials, store::Stores stores)
+    : clock_(std::move(clock)),
+      credentials_(std::move(credentials)),
+      engine_(options.limits, options.lanes, *clock_, std::move(stores)),
+      readiness_(options.stuck_after, *clock_),
+      services_(rpc::MakeServices(engine_, credentials_->identity())),
+      listen_(options.listen) {
+  // Jobs may take long.
+  for (const runtime::WorkerPool* lane : {&engine_.interactive, &engine_.control}) {
+    readiness_.WatchLane(lane->name(), [lane] { return lane->stats(); });
+  }
+  readiness_.WatchStore([this] { return engine_.stores.specs->Probe(); });
+  WatchProcess(engine_.metrics);
+  WatchEngine(engine_);
+}
 
-Host::~Host() = default;
+Host::~Host() { Stop(std::chrono::milliseconds::zero()); }
 
-std::string Host::admin_address() const { return impl_->admin_address(); }
+Status Host::Serve(const HostOptions& options) {
+  const bool local = std::all_of(listen_.begin(), listen_.end(), IsLocal);
+  if (options.reflection.value_or(local)) {
+    // What is not linked in, reflection cannot show: nothing else here names these messages.
+    google::protobuf::LinkMessageReflection<grpc::health::v1::HealthCheckRequest>();
+    static std::once_flag once;
+    std::call_once(once, grpc::reflection::InitProtoReflectionServerBuilderPlugin);
+  }
+  grpc::ServerBuilder builder;
+  Configure(options, builder);
+  std::vector<int> ports(listen_.size(), 0);
+  for (std::size_t i = 0; i < listen_.size(); ++i) {
+    CHECK_OK(PrepareAddress(listen_[i]));
+    builder.AddListeningPort(listen_[i], credentials_->CredentialsFor(listen_[i]), &ports[i]);
+  }
+  for (const rpc::NamedService& service : services_) {
+    builder.RegisterService(service.service.get());
+  }
+  server_ = Build(builder);
+  if (!server_) return Fail(CannotListen(ports));
+  if (auto* health = server_->GetHealthCheckService()) {
+    for (const rpc::NamedService& service : services_) {
+      health->SetServingStatus(service.name, true);
+    }
+  }
+  for (std::size_t i = 0; i < listen_.size(); ++i) {
+    addresses_.push_back(BoundAddress(listen_[i], ports[i]));
+  }
+  if (!options.admin.empty()) {
+    TRY(admin_, AdminHttp::Start(options.admin, {[this] { return readiness_.Check(); },
+                                                 [this] { return engine_.metrics.Text(); }}));
+  }
+  health_ticker_ = std::make_unique<runtime::Ticker>(kHealthPeriod, [this] { RefreshHealth(); });
+  sweeping_ = options.sweep.count() > 0;
+  sweep_ticker_ = std::make_unique<runtime::Ticker>(options.sweep, [this] { Sweep(); });
+  return {};
+}
 
-app::Engine& Host::engine() { return impl_->engine(); }
+void Host::Sweep() {
+  // What a flood or an eviction has freed goes back to the system: by itself the allocator keeps
+  // the most that each of its arenas ever held.
+  if (++sweeps_ % kTrimEvery == 0) malloc_trim(0);
+  const Status swept = engine_.Sweep();
+  if (swept && sweep_failed_) spdlog::info("event=sweeping_again");
+  if (!swept && !sweep_failed_) {
+    spdlog::warn("event=sweep_failed reason={} message=\"{}\"", FaultName(swept.error().kind),
+                 swept.error().message);
+  }
+  sweep_failed_ = !swept;
+}
 
-Credentials& Host::credentials() { return impl_->credentials(); }
+void Host::RefreshHealth() {
+  readiness_.Probe();
+  const Verdict verdict = readiness_.Check();
+  const MutexLock lock(&health_mutex_);
+  if (verdict.state != said_) {
+    spdlog::log(verdict.ready() ? spdlog::level::info : spdlog::level::warn,
+                "event=readiness state={} why=\"{}\"", StateName(verdict.state), verdict.why);
+  }
+  said_ = verdict.state;
+  SayServing(verdict.ready());
+}
 
-const Readiness& Host::readiness() const { return impl_->readiness(); }
+void Host::AnnounceStop() {
+  readiness_.AnnounceStop();
+  const MutexLock lock(&health_mutex_);
+  said_ = Verdict::State::kDraining;
+  SayServing(false);
+}
 
-void Host::RefreshHealth() { impl_->RefreshHealth(); }
+void Host::Stop(std::chrono::milliseconds grace) {
+  AnnounceStop();
+  for (runtime::Ticker* ticker : {health_ticker_.get(), sweep_ticker_.get()}) {
+    if (ticker != nullptr) ticker->Stop();
+  }
+  if (server_) {
+    engine_.streams.Drain();
+    server_->Shutdown(std::chrono::system_clock::now() + grace);
+    server_->Wait();
+    server_.reset();
+    for (const std::string& address : listen_) {
+      if (const std::string path = UnixPath(address); !path.empty()) unlink(path.c_str());
+    }
+  }
+  // After the calls: their last jobs finish them.
+  for (runtime::WorkerPool* lane : {&engine_.control, &engine_.interactive, &engine_.jobs}) {
+    lane->Stop();
+  }
+  // Lives that have become longer since the last sweep.
+  if (std::exchange(sweeping_, false)) Sweep();
+  admin_.reset();
+}
 
-void Host::AnnounceStop() { impl_->AnnounceStop(); }
+void Host::SayServing(bool serving) {
+  auto* health = server_ ? server_->GetHealthCheckService() : nullptr;
+  if (health != nullptr) health->SetServingStatus(serving);
+}
 
-void Host::Stop(std::chrono::milliseconds grace) { impl_->Stop(grace); }
+Fault Host::CannotListen(const std::vector<int>& ports) const {
+  // The first port that was not bound; those after it were not tried.
+  std::size_t failed = 0;
+  while (failed + 1 < ports.size() && ports[failed] != 0) ++failed;
+  const std::string address = listen_.empty() ? "(no address)" : listen_[failed];
+  return Fault(FaultKind::kAlreadyExists,
+               fmt::format("Cannot listen on {}: it is in use or not an address of this machine.",
+                           address))
+      .Field("listen")
+      .Detail("address", address);
+}
 
 }  // namespace arap::host

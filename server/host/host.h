@@ -9,10 +9,18 @@
 
 #include "arap/base/result.h"
 #include "arap/model/limits.h"
+#include "core/base/mutex.h"
 #include "server/engine.h"
+#include "server/host/admin_http.h"
 #include "server/host/credentials.h"
 #include "server/host/readiness.h"
+#include "server/rpc/services.h"
 #include "server/runtime/clock.h"
+#include "server/runtime/ticker.h"
+
+namespace grpc {
+class Server;
+}
 
 namespace arap::host {
 
@@ -51,14 +59,14 @@ class Host {
   const std::vector<std::string>& addresses() const { return addresses_; }
 
   // Of the admin page, with the port that was bound; empty when there is none.
-  std::string admin_address() const;
+  std::string admin_address() const { return admin_ ? admin_->address() : std::string(); }
 
   // What the services work on.
-  app::Engine& engine();
+  app::Engine& engine() { return engine_; }
   // Who may use them.
-  Credentials& credentials();
+  Credentials& credentials() { return *credentials_; }
   // What /readyz answers.
-  const Readiness& readiness() const;
+  const Readiness& readiness() const { return readiness_; }
 
   // Asks the store and the lanes, and tells grpc.health. Happens by itself every second.
   void RefreshHealth();
@@ -73,11 +81,33 @@ class Host {
   void Stop(std::chrono::milliseconds grace);
 
  private:
-  class Impl;
-  Host(std::unique_ptr<Impl> impl, std::vector<std::string> addresses);
+  Host(const HostOptions& options, std::shared_ptr<const runtime::Clock> clock,
+       std::unique_ptr<Credentials> credentials, store::Stores stores);
 
-  std::unique_ptr<Impl> impl_;
+  Status Serve(const HostOptions& options);
+  // Says when it begins to fail and when it works again, not every second.
+  void Sweep();
+  void SayServing(bool serving) ABSL_EXCLUSIVE_LOCKS_REQUIRED(health_mutex_);
+  Fault CannotListen(const std::vector<int>& ports) const;
+
+  // Destroyed from the bottom up: the server before its services before what they work on.
+  const std::shared_ptr<const runtime::Clock> clock_;
+  const std::unique_ptr<Credentials> credentials_;
+  app::Engine engine_;
+  Readiness readiness_;
+  const std::vector<rpc::NamedService> services_;
+  const std::vector<std::string> listen_;
   std::vector<std::string> addresses_;
+  std::unique_ptr<grpc::Server> server_;
+  std::unique_ptr<AdminHttp> admin_;
+  Mutex health_mutex_;  // what is said to grpc.health follows the order of what is found
+  Verdict::State said_ ABSL_GUARDED_BY(health_mutex_) = Verdict::State::kReady;
+  std::unique_ptr<runtime::Ticker> health_ticker_;
+  // Of the thread that sweeps.
+  std::size_t sweeps_ = 0;
+  bool sweep_failed_ = false;
+  bool sweeping_ = false;
+  std::unique_ptr<runtime::Ticker> sweep_ticker_;
 };
 
 }  // namespace arap::host

@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "server/engine.h"
-#include "server/version.h"
 
 namespace arap::host {
 namespace {

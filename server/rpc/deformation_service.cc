@@ -6,7 +6,6 @@
 #include "core/base/names.h"
 #include "server/budget/faults.h"
 #include "server/rpc/convert.h"
-#include "server/rpc/handlers.h"
 #include "server/rpc/long_calls.h"
 #include "server/rpc/services.h"
 #include "server/rpc/unary.h"

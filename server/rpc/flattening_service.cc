@@ -5,7 +5,6 @@
 
 #include "server/flattening/prepared_surfaces.h"
 #include "server/rpc/convert.h"
-#include "server/rpc/handlers.h"
 #include "server/rpc/services.h"
 #include "server/rpc/unary.h"
 #include "server/runtime/clock.h"

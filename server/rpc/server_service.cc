@@ -5,10 +5,8 @@
 
 #include "proto/convert/limits.h"
 #include "server/engine.h"
-#include "server/rpc/handlers.h"
 #include "server/rpc/services.h"
 #include "server/rpc/unary.h"
-#include "server/version.h"
 
 namespace arap::rpc {
 namespace {

@@ -7,7 +7,7 @@
 #include <grpcpp/support/status.h>
 
 #include "proto/convert/status.h"
-#include "server/rpc/handlers.h"
+#include "server/rpc/services.h"
 #include "tests/fuzz/bytes.h"
 #include "tests/fuzz/check.h"
 #include "tests/fuzz/targets.h"

@@ -3,7 +3,7 @@
 #include <google/protobuf/stubs/logging.h>
 #include <spdlog/spdlog.h>
 
-#include "server/rpc/handlers.h"
+#include "server/rpc/services.h"
 #include "tests/fuzz/check.h"
 
 namespace arap::fuzz {

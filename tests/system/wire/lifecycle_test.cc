@@ -8,7 +8,8 @@
 #include <unistd.h>
 
 #include "server/host/listen.h"
-#include "server/version.h"
+#include "server/engine.h"
+#include "tests/support/await.h"
 #include "tests/support/bounded.h"
 #include "tests/system/wire/wire_fixture.h"
 
