@@ -4,11 +4,15 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -17,8 +21,11 @@
 #include <grpc/support/log.h>
 #include <poll.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/base/mutex.h"
 #include "server/config/config.h"
 #include "server/host/host.h"
 
@@ -27,6 +34,11 @@ namespace {
 using arap::config::Config;
 
 constexpr int kBadConfig = 2;
+constexpr int kDeaf = 3;
+// A signal that is none: nobody is let in any more.
+constexpr int kDeafSignal = 255;
+// How much longer than --drain-seconds the end may take.
+constexpr std::chrono::milliseconds kEnding{1'500};
 
 int Complain(const arap::Fault& fault, int code) {
   std::fprintf(stderr, "arapd: %s\n", fault.message.c_str());
@@ -63,6 +75,61 @@ void LogConfig(const arap::config::Outcome& outcome) {
     spdlog::warn("event=unknown_variable name={}", variable);
   }
 }
+
+// As many descriptors as we may have: every connection is one.
+void RaiseDescriptors() {
+  rlimit files{};
+  if (getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= files.rlim_max) return;
+  files.rlim_cur = files.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &files);
+}
+
+// Passwords in our own command line, which everybody on the machine may read, become stars.
+void HidePasswords(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string shown = arap::config::Redacted(argv[i]);
+    if (shown == argv[i]) continue;
+    // The length stays: there is no other place for it.
+    const std::size_t length = std::strlen(argv[i]);
+    std::fill(argv[i], argv[i] + length, '*');
+    shown.copy(argv[i], std::min(length, shown.size()));
+  }
+}
+
+// Ends the process when it has not ended by then, whatever holds it up. What was answered is in the
+// store, so that nothing is lost.
+class LastResort {
+ public:
+  explicit LastResort(std::chrono::milliseconds patience)
+      : end_(std::chrono::steady_clock::now() + patience), thread_([this] { Wait(); }) {}
+  ~LastResort() {
+    {
+      const arap::MutexLock lock(&mutex_);
+      ended_ = true;
+    }
+    wake_.Signal();
+    thread_.join();
+  }
+  LastResort(const LastResort&) = delete;
+  LastResort& operator=(const LastResort&) = delete;
+
+ private:
+  void Wait() {
+    const arap::MutexLock lock(&mutex_);
+    while (!ended_) {
+      if (!wake_.WaitUntil(&mutex_, end_) || ended_) continue;
+      spdlog::warn("event=stopped_by_force message=\"Work that does not end was left behind.\"");
+      spdlog::default_logger()->flush();
+      std::_Exit(0);
+    }
+  }
+
+  const std::chrono::steady_clock::time_point end_;
+  arap::Mutex mutex_;
+  arap::CondVar wake_;
+  bool ended_ ABSL_GUARDED_BY(mutex_) = false;
+  std::thread thread_;
+};
 
 // Signals as bytes in a pipe. Blocking them and waiting would not do: OpenBLAS has threads before
 // main begins, which do not block them, and a signal that comes while main is busy would end the
@@ -149,14 +216,17 @@ arap::Status MakeParents(const std::string& store) {
                     "The folder " + parent.string() + " cannot be made: " + error.message() + ".");
 }
 
-int Serve(const arap::config::Outcome& outcome) {
+int Serve(const arap::config::Outcome& outcome, std::optional<LastResort>& last_resort) {
   const Config& config = outcome.config;
   if (const arap::Status ready = SetUpLogs(config.log); !ready) return Complain(ready.error(), 1);
   LogConfig(outcome);
-  if (auto made = MakeParents(config.host.store.store); !made) {
-    return Complain(made.error(), 1);
+  for (const arap::Status& good :
+       {MakeParents(config.host.store.store), arap::config::CheckFolders(config.host.store)}) {
+    if (!good) return Complain(good.error(), 1);
   }
-  auto host = arap::host::Host::Start(config.host);
+  arap::host::HostOptions options = config.host;
+  options.on_deaf = [] { PutSignal(kDeafSignal); };
+  auto host = arap::host::Host::Start(std::move(options));
   if (!host) {
     spdlog::error("event=start_failed message=\"{}\"", host.error().message);
     return Complain(host.error(), 1);
@@ -173,15 +243,22 @@ int Serve(const arap::config::Outcome& outcome) {
   const std::vector<ReloadHook> hooks = {
       {"access", [&] { return (*host)->credentials().Reload(); }}};
   const int signal = AwaitStop(hooks);
+  if (signal == kDeafSignal) {
+    spdlog::critical("event=deaf message=\"Nobody is let in; a new process may help.\"");
+  }
   (*host)->AnnounceStop();
   spdlog::info("event=draining signal={} streams={} delay_s={}", signal,
                (*host)->engine().streams.count(), config.drain_delay_seconds);
-  AwaitDelay(arap::config::Milliseconds(config.drain_delay_seconds), hooks);
+  if (signal != kDeafSignal) {
+    AwaitDelay(arap::config::Milliseconds(config.drain_delay_seconds), hooks);
+  }
   spdlog::info("event=stopping streams={} grace_s={}", (*host)->engine().streams.count(),
                config.drain_seconds);
-  (*host)->Stop(arap::config::Milliseconds(config.drain_seconds));
+  const auto grace = arap::config::Milliseconds(config.drain_seconds);
+  last_resort.emplace(grace + kEnding);
+  (*host)->Stop(grace);
   spdlog::info("event=stopped");
-  return 0;
+  return signal == kDeafSignal ? kDeaf : 0;
 }
 
 }  // namespace
@@ -191,7 +268,11 @@ int main(int argc, char** argv) {
     std::perror("arapd");
     return 1;
   }
+  // What we make is ours alone: logs, databases, blobs. Sockets have --socket-mode.
+  umask(0077);
+  RaiseDescriptors();
   auto outcome = arap::config::Read({argv + 1, argv + argc}, Environment());
+  HidePasswords(argc, argv);
   if (!outcome) return Complain(outcome.error(), kBadConfig);
   if (outcome->done) {
     std::fputs(outcome->text.c_str(), stdout);
@@ -207,8 +288,10 @@ int main(int argc, char** argv) {
   // The end in order: Serve has stopped whatever answers calls; then gRPC's threads end, which hold
   // on to its library as long as we do; then nobody writes into the logs any more.
   grpc_init();
-  const int code = Serve(*outcome);
+  std::optional<LastResort> last_resort;
+  const int code = Serve(*outcome, last_resort);
   grpc_shutdown_blocking();
+  last_resort.reset();
   gpr_set_log_function(nullptr);
   spdlog::shutdown();
   return code;

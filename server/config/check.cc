@@ -8,12 +8,10 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include "core/base/try.h"
 #include "server/config/config.h"
-#include "server/host/admin_http.h"
 #include "server/host/credentials.h"
 #include "server/host/listen.h"
 #include "server/runtime/clock.h"
@@ -49,11 +47,8 @@ Status CheckWritable(const char* flag, const std::string& path, bool folder_want
 
 Status CheckListen(const std::string& address) {
   const std::string path = host::UnixPath(address);
-  if (path.empty()) return host::PrepareAddress(address);  // looks at the text only
-  if (path.size() >= sizeof(sockaddr_un{}.sun_path)) {
-    return Fail(Bad(
-        "listen", fmt::format("Cannot listen on {}: the path is too long for a socket.", address)));
-  }
+  CHECK_OK(host::CheckAddress(address, host::kForCalls));
+  if (path.empty()) return {};
   const std::filesystem::path file(path);
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   std::error_code error;
@@ -75,7 +70,10 @@ Status CheckCredentials(const host::HostOptions& options) {
 }
 
 Status CheckStoreFlags(const store::StoreOptions& options) {
-  CHECK_OK(store::CheckStore(options));
+  if (auto good = store::CheckStore(options); !good) {
+    const char* const flag = good.error().field == "blob_dir" ? "blob-dir" : "store";
+    return Fail(Bad(flag, fmt::format("--{}: {}", flag, good.error().message)));
+  }
   constexpr std::string_view kSqlite = "sqlite:";
   if (!options.store.starts_with(kSqlite)) return {};
   return CheckWritable("store", options.store.substr(kSqlite.size()), true);
@@ -83,14 +81,36 @@ Status CheckStoreFlags(const store::StoreOptions& options) {
 
 }  // namespace
 
+Status CheckFolders(const store::StoreOptions& store) {
+  constexpr std::string_view kSqlite = "sqlite:";
+  const std::string folder =
+      store.store.starts_with(kSqlite) ? store.store.substr(kSqlite.size()) : std::string();
+  for (const auto& [flag, path] :
+       {std::pair{"store", folder}, std::pair{"blob-dir", store.blob_dir}}) {
+    std::error_code error;
+    const auto mode = std::filesystem::status(path, error).permissions();
+    if (path.empty() || error ||
+        (mode & std::filesystem::perms::others_write) == std::filesystem::perms::none) {
+      continue;
+    }
+    return Fail(Fault(FaultKind::kPermissionDenied,
+                      fmt::format("--{}: anybody may write into {}; chmod o-w it.", flag, path))
+                    .Field(flag));
+  }
+  return {};
+}
+
 Status Check(const Config& config) {
   if (config.host.listen.empty()) return Fail(Bad("listen", "--listen names no address."));
   for (const std::string& address : config.host.listen) {
     CHECK_OK(CheckListen(address));
   }
-  if (!config.host.admin.empty()) CHECK_OK(host::ParseAdminAddress(config.host.admin));
+  if (!config.host.admin.empty()) {
+    CHECK_OK(host::CheckAddress(config.host.admin, host::kForOperators));
+  }
   CHECK_OK(CheckCredentials(config.host));
   CHECK_OK(CheckStoreFlags(config.host.store));
+  CHECK_OK(CheckFolders(config.host.store));
   for (const auto& [flag, path] :
        {std::pair{"log-file", config.log.file}, std::pair{"access-log", config.log.access}}) {
     if (path.empty() || path == "-" || path == "off") continue;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <set>
@@ -11,6 +13,8 @@
 #include <utility>
 
 #include <CLI/CLI.hpp>
+
+#include "core/base/try.h"
 
 namespace arap::config {
 namespace {
@@ -124,6 +128,41 @@ Result<Outcome> Said(const CLI::App& app, const CLI::ParseError& error) {
   return Fail(FaultKind::kInvalidOption, error.what());
 }
 
+Result<mode_t> ModeOf(const std::string& octal) {
+  unsigned mode = 0;
+  const char* end = octal.data() + octal.size();
+  const auto [stop, error] = std::from_chars(octal.data(), end, mode, 8);
+  if (error == std::errc() && stop == end && mode <= 0777) return mode;
+  return Fail(Fault(FaultKind::kInvalidOption, "--socket-mode is an octal number such as 0660.")
+                  .Field("socket-mode"));
+}
+
+// Puts the password of the file into "redis://host" and "redis://user@host".
+Status AddPassword(const std::string& path, std::string& store) {
+  constexpr std::string_view kRedis = "redis://";
+  if (path.empty()) return {};
+  const auto bad = [](std::string message) {
+    return Fail(Fault(FaultKind::kInvalidOption, std::move(message)).Field("redis-password-file"));
+  };
+  std::ifstream file(path);
+  std::string password;
+  if (!std::getline(file, password) || password.empty()) {
+    return bad("--redis-password-file: " + path + " cannot be read or is empty.");
+  }
+  if (!store.starts_with(kRedis)) return bad("--redis-password-file: --store is not redis://….");
+  const std::size_t end = std::min(store.find('/', kRedis.size()), store.size());
+  const std::size_t at = store.rfind('@', end);
+  if (at == std::string::npos) {
+    store.insert(kRedis.size(), ":" + password + "@");
+    return {};
+  }
+  if (store.find(':', kRedis.size()) < at) {
+    return bad("--redis-password-file: --store has a password too.");
+  }
+  store.insert(at, ":" + password);
+  return {};
+}
+
 }  // namespace
 
 // Reading: the command line is parsed once to see which flags it has; what the environment says of
@@ -181,6 +220,13 @@ Result<Outcome> Read(const std::vector<std::string>& arguments,
   config.host.keepalive = Milliseconds(config.keepalive_seconds);
   config.host.keepalive_timeout = Milliseconds(config.keepalive_timeout_seconds);
   if (config.no_admin) config.host.admin.clear();
+  constexpr double kAgeOfCertificates = 3'600;
+  const bool certificates = !config.host.credentials.tls.client_ca.empty();
+  const double age = config.connection_age_seconds;
+  config.host.connections.most_age =
+      Milliseconds(age >= 0 ? age : (certificates ? kAgeOfCertificates : 0));
+  TRY(config.host.socket_mode, ModeOf(config.socket_mode));
+  CHECK_OK(AddPassword(config.redis_password_file, config.host.store.store));
   outcome.config = config;
   return outcome;
 }

@@ -18,6 +18,9 @@ namespace arap::config {
 struct Config {
   host::HostOptions host;
   LogOptions log;
+  std::string socket_mode = "0600";
+  std::string redis_password_file;
+  double connection_age_seconds = -1;  // less than 0: not told
   double drain_delay_seconds = 0;
   double drain_seconds = 5;
   double stuck_seconds = 10;
@@ -56,6 +59,9 @@ void AddFlags(CLI::App& app, Config& config);
 // Whatever can be found wrong without serving: addresses, files, folders, numbers that contradict
 // each other. Nothing is created, bound or connected. Faults name the flag in `field`.
 Status Check(const Config& config);
+
+// kPermissionDenied when anybody on the machine may write into a folder where sessions are kept.
+Status CheckFolders(const store::StoreOptions& store);
 
 // The value without a password: of "redis://user:word@host:1" and of "redis://:word@host:1" the
 // word becomes "***".

@@ -37,6 +37,37 @@ void AddLimits(CLI::App& app, Config& config) {
   }
 }
 
+void AddConnections(CLI::App& app, Config& config) {
+  rpc::ConnectionBounds& bounds = config.host.connections;
+  app.add_option("--max-connections", bounds.most,
+                 "Open connections; fewer where there are not enough file descriptors")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 1e6))
+      ->group(kLimitGroup);
+  app.add_option("--max-connections-per-address", bounds.most_per_address,
+                 "Of one IPv4 address or IPv6 network of 64 bits")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 1e6))
+      ->group(kLimitGroup);
+  app.add_option("--max-receiving-bytes", bounds.receiving_bytes,
+                 "Bytes of all requests that have begun and are not complete")
+      ->capture_default_str()
+      ->check(CLI::Range(1e3, 1e12))
+      ->group(kLimitGroup);
+  const auto seconds = [&app](const char* name, std::chrono::milliseconds& time, const char* help) {
+    app.add_option_function<double>(
+           name, [&time](double value) { time = Milliseconds(value); }, help)
+        ->default_str(fmt::format("{}", std::chrono::duration<double>(time).count()))
+        ->group(kLimitGroup);
+  };
+  seconds("--receiving-seconds", bounds.receiving_time, "How long a request may take to arrive");
+  app.add_option("--connection-age-seconds", config.connection_age_seconds,
+                 "When a connection is replaced, streams asked to move, 0 for never; unless told "
+                 "3600 with --tls-client-ca, else never")
+      ->check(CLI::Range(0.0, kDay))
+      ->group(kLimitGroup);
+}
+
 void AddKeepalive(CLI::App& app, Config& config) {
   const auto add = [&](const char* name, double& value, const char* help) {
     app.add_option(name, value, help)
@@ -74,12 +105,16 @@ void AddCredentials(CLI::App& app, host::CredentialOptions& options) {
       ->group(kGroup);
 }
 
-void AddStore(CLI::App& app, store::StoreOptions& store) {
+void AddStore(CLI::App& app, Config& config) {
+  store::StoreOptions& store = config.host.store;
   constexpr const char* kGroup = "Where sessions are kept";
   app.add_option("--store", store.store,
                  "memory, sqlite:DIR, or redis://[:PASSWORD@]HOST[:PORT][/DB]; by default the "
                  "state directory of the user")
       ->capture_default_str()
+      ->group(kGroup);
+  app.add_option("--redis-password-file", config.redis_password_file,
+                 "File with the password of redis, which then is in no command line")
       ->group(kGroup);
   app.add_option("--blob-dir", store.blob_dir,
                  "Folder for meshes; DIR/blobs for sqlite, shared by all replicas for redis")
@@ -150,15 +185,18 @@ void AddFlags(CLI::App& app, Config& config) {
                  "Address to listen on, host:port (port 0: any free one) or unix:PATH; repeatable")
       ->capture_default_str()
       ->allow_extra_args(false);
+  app.add_option("--socket-mode", config.socket_mode, "Mode of unix sockets, in octal")
+      ->capture_default_str();
   AddLanes(app, config.host.lanes);
   app.add_flag("--reflection,!--no-reflection", config.host.reflection,
                "Serve the descriptions of the services (by default only where nobody but this "
                "machine reaches the server)");
   AddCredentials(app, config.host.credentials);
-  AddStore(app, config.host.store);
+  AddStore(app, config);
   AddStopping(app, config);
   AddLogs(app, config);
   AddLimits(app, config);
+  AddConnections(app, config);
   AddKeepalive(app, config);
   app.add_flag("--check-config", config.check,
                "Check flags, environment and file, say what is wrong, and end: 0 or 2")

@@ -9,8 +9,11 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "arap/base/result.h"
+#include "server/host/listen.h"
 #include "server/host/readiness.h"
 
 namespace arap::host {
@@ -20,17 +23,12 @@ struct AdminPages {
   std::function<std::string()> metrics;
 };
 
-// Host and port of "127.0.0.1:9464", "[::1]:9464" or "name:9464". kInvalidOption.
-struct AdminAddress {
-  std::string host;
-  int port = 0;  // 0: any free one
-};
-Result<AdminAddress> ParseAdminAddress(const std::string& address);
-
+// One thread that never waits for a client: a request has two seconds from its connection to the
+// last byte of its answer, and when there are too many clients the one that has been there longest
+// goes. So whoever asks and listens is answered, however many do not.
 class AdminHttp {
  public:
-  // Serves when it returns, in threads of its own; what the pages use outlives it. kInvalidOption,
-  // and kAlreadyExists for an address that cannot be had.
+  // Serves when it returns; what the pages use outlives it. Faults as Listening::Open.
   static Result<std::unique_ptr<AdminHttp>> Start(const std::string& address, AdminPages pages);
   // Stops.
   ~AdminHttp();
@@ -38,12 +36,22 @@ class AdminHttp {
   AdminHttp& operator=(const AdminHttp&) = delete;
 
   // With the port that was bound.
-  const std::string& address() const;
+  const std::string& address() const { return listening_.address(); }
 
  private:
-  class Impl;
-  explicit AdminHttp(std::unique_ptr<Impl> impl);
-  const std::unique_ptr<Impl> impl_;
+  struct Client;
+
+  AdminHttp(Listening listening, AdminPages pages);
+  void Run();
+  void Accept(const Descriptor& listener, std::vector<Client>& clients);
+  // False when the client is done or to be dropped.
+  bool Serve(Client& client) const;
+  std::string AnswerTo(const std::string& request) const;
+
+  const Listening listening_;
+  const AdminPages pages_;
+  const Descriptor wake_;  // readable when it is to stop
+  std::thread thread_;
 };
 
 }  // namespace arap::host

@@ -5,20 +5,20 @@
 #include <mutex>
 #include <utility>
 
-#include <fmt/format.h>
 #include <google/protobuf/message.h>
 #include <grpc/health/v1/health.pb.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
-#include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/impl/service_type.h>
+#include <grpcpp/resource_quota.h>
 #include <malloc.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
+#include <sys/resource.h>
 
 #include "core/base/try.h"
 #include "server/host/listen.h"
 #include "server/host/process_metrics.h"
+#include "server/rpc/methods.h"
 
 namespace arap::host {
 namespace {
@@ -27,7 +27,31 @@ namespace {
 // than a server allows are cut off, so this is generous.
 constexpr int kMinPingIntervalMs = 1'000;
 constexpr std::chrono::milliseconds kHealthPeriod = std::chrono::seconds(1);
+constexpr std::chrono::milliseconds kDialPatience = std::chrono::seconds(2);
 constexpr std::size_t kTrimEvery = 10;  // sweeps
+
+// Descriptors for everything but connections: store, logs, libraries, files of the moment.
+constexpr std::size_t kReserve = 256;
+// What gRPC may hold beside requests that come in; when it is used up gRPC ends calls at random, so
+// that other bounds come first.
+constexpr std::size_t kGrpcBytes = std::size_t{1} << 30u;
+constexpr int kReflectionThreads = 16;
+constexpr int kMostCallsPerConnection = 1'024;
+constexpr int kMostHeaderBytes = 16 * 1'024;
+constexpr int kHandshakeMs = 10'000;
+// Streams are asked to move at most_age and have so long before their connection is closed.
+constexpr std::chrono::milliseconds kMoving = std::chrono::seconds(30);
+
+// As many as there are descriptors for.
+rpc::ConnectionBounds Bounded(rpc::ConnectionBounds bounds) {
+  rlimit files{};
+  getrlimit(RLIMIT_NOFILE, &files);
+  const std::size_t all = files.rlim_cur;
+  bounds.most = std::min(bounds.most, all > 2 * kReserve ? all - kReserve : all / 2);
+  bounds.most_per_address =
+      std::min(bounds.most_per_address, std::max<std::size_t>(bounds.most, 1));
+  return bounds;
+}
 
 void Configure(const HostOptions& options, grpc::ServerBuilder& builder) {
   constexpr std::size_t kLargest = std::numeric_limits<int>::max();
@@ -36,29 +60,40 @@ void Configure(const HostOptions& options, grpc::ServerBuilder& builder) {
       static_cast<int>(std::min(options.limits.max_message_bytes, kLargest / 2) * 2));
   // Answers are bounded by the size of the meshes.
   builder.SetMaxSendMessageSize(-1);
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  const auto set = [&builder](const char* name, std::chrono::milliseconds time) {
+    builder.AddChannelArgument(name, static_cast<int>(time.count()));
+  };
+  // gRPC inflates a message whole before it looks at its size: compressed calls are refused with
+  // UNIMPLEMENTED, and nothing is inflated.
+  builder.AddChannelArgument(GRPC_COMPRESSION_CHANNEL_ENABLED_ALGORITHMS_BITSET,
+                             1 << GRPC_COMPRESS_NONE);
+  builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
   // Else the window of a stream grows while we do not read it, and with it what we hold for a
   // client that sends on and on. A message that has begun gets the window that it needs anyway.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMostCallsPerConnection);
+  builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, kMostHeaderBytes);
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
                              kMinPingIntervalMs);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS,
-                             static_cast<int>(options.keepalive.count()));
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS,
-                             static_cast<int>(options.keepalive_timeout.count()));
+  set(GRPC_ARG_KEEPALIVE_TIME_MS, options.keepalive);
+  set(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, options.keepalive_timeout);
+  if (const auto age = options.connections.most_age; age.count() > 0) {
+    // gRPC adds or takes up to a tenth, so that not all come back at once. New calls go to a new
+    // connection from then on; streams are asked by us.
+    set(GRPC_ARG_MAX_CONNECTION_AGE_MS, age);
+    set(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS, age / 5 + kMoving);
+  }
+  grpc::ResourceQuota quota("arapd");
+  quota.Resize(2 * options.connections.receiving_bytes + kGrpcBytes);
+  quota.SetMaxThreads(kReflectionThreads);
+  builder.SetResourceQuota(quota);
 }
 
 void LogRecovery(const store::Recovery& recovery) {
   spdlog::error("event=store_recovered saved={} lost={} complete={} damaged_database=\"{}\"",
                 recovery.saved, recovery.lost, recovery.complete, recovery.kept_as);
-}
-
-// Both are switches of the whole process, read when a server is built: one server is built at a
-// time.
-std::unique_ptr<grpc::Server> Build(grpc::ServerBuilder& builder) {
-  grpc::EnableDefaultHealthCheckService(true);
-  return builder.BuildAndStart();
 }
 
 }  // namespace
@@ -83,8 +118,13 @@ Host::Host(const HostOptions& options, std::shared_ptr<const runtime::Clock> clo
       credentials_(std::move(credentials)),
       engine_(options.limits, options.lanes, *clock_, std::move(stores)),
       readiness_(options.stuck_after, *clock_),
-      services_(rpc::MakeServices(engine_, credentials_->identity())),
-      listen_(options.listen) {
+      connections_(Bounded(options.connections), *clock_),
+      identity_(credentials_->identity()),
+      services_(rpc::MakeServices(engine_, identity_)),
+      health_(ServiceNames(), connections_),
+      on_deaf_(options.on_deaf) {
+  identity_.connections = &connections_;
+  services_.push_back(health_.MakeService({engine_, identity_}));
   // Jobs may take long.
   for (const runtime::WorkerPool* lane : {&engine_.interactive, &engine_.control}) {
     readiness_.WatchLane(lane->name(), [lane] { return lane->stats(); });
@@ -92,12 +132,29 @@ Host::Host(const HostOptions& options, std::shared_ptr<const runtime::Clock> clo
   readiness_.WatchStore([this] { return engine_.stores.specs->Probe(); });
   WatchProcess(engine_.metrics);
   WatchEngine(engine_);
+  const auto watch = [this](const runtime::MetricInfo& info, runtime::Metrics::Kind kind,
+                            std::function<double()> read) {
+    engine_.metrics.Watch(info, kind, {}, std::move(read));
+  };
+  watch(runtime::metric::kConnections, runtime::Metrics::Kind::kGauge,
+        [this] { return static_cast<double>(connections_.count()); });
+  watch(runtime::metric::kConnectionsCut, runtime::Metrics::Kind::kCounter,
+        [this] { return static_cast<double>(connections_.cut()); });
+  for (const char* quota : {"max_connections", "max_connections_per_address", "descriptors"}) {
+    engine_.metrics.ServeQuota(quota);
+  }
 }
 
 Host::~Host() { Stop(std::chrono::milliseconds::zero()); }
 
+std::vector<std::string> Host::ServiceNames() const {
+  std::vector<std::string> names;
+  for (const rpc::NamedService& service : services_) names.push_back(service.name);
+  return names;
+}
+
 Status Host::Serve(const HostOptions& options) {
-  const bool local = std::all_of(listen_.begin(), listen_.end(), IsLocal);
+  const bool local = std::all_of(options.listen.begin(), options.listen.end(), IsLocal);
   if (options.reflection.value_or(local)) {
     // What is not linked in, reflection cannot show: nothing else here names these messages.
     google::protobuf::LinkMessageReflection<grpc::health::v1::HealthCheckRequest>();
@@ -106,32 +163,45 @@ Status Host::Serve(const HostOptions& options) {
   }
   grpc::ServerBuilder builder;
   Configure(options, builder);
-  std::vector<int> ports(listen_.size(), 0);
-  for (std::size_t i = 0; i < listen_.size(); ++i) {
-    CHECK_OK(PrepareAddress(listen_[i]));
-    builder.AddListeningPort(listen_[i], credentials_->CredentialsFor(listen_[i]), &ports[i]);
+  using grpc::experimental::ExternalConnectionAcceptor;
+  std::vector<Acceptor::Entrance> entrances;
+  for (const std::string& address : options.listen) {
+    TRY(auto listening, Listening::Open(address, kForCalls, options.socket_mode));
+    addresses_.push_back(listening.address());
+    const std::shared_ptr<ExternalConnectionAcceptor> grpcs =
+        builder.experimental().AddExternalConnectionAcceptor(
+            grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
+            credentials_->CredentialsFor(address));
+    entrances.push_back({std::move(listening), [grpcs](int descriptor) {
+                           ExternalConnectionAcceptor::NewConnectionParameters connection;
+                           connection.fd = descriptor;
+                           grpcs->HandleNewConnection(&connection);
+                         }});
   }
   for (const rpc::NamedService& service : services_) {
     builder.RegisterService(service.service.get());
   }
-  server_ = Build(builder);
-  if (!server_) return Fail(CannotListen(ports));
-  if (auto* health = server_->GetHealthCheckService()) {
-    for (const rpc::NamedService& service : services_) {
-      health->SetServingStatus(service.name, true);
-    }
-  }
-  for (std::size_t i = 0; i < listen_.size(); ++i) {
-    addresses_.push_back(BoundAddress(listen_[i], ports[i]));
-  }
+  server_ = builder.BuildAndStart();
+  if (!server_) return Fail(FaultKind::kInternal, "gRPC does not start.");
   if (!options.admin.empty()) {
     TRY(admin_, AdminHttp::Start(options.admin, {[this] { return readiness_.Check(); },
                                                  [this] { return engine_.metrics.Text(); }}));
   }
+  acceptor_ = std::make_unique<Acceptor>(std::move(entrances), connections_, engine_.metrics);
   health_ticker_ = std::make_unique<runtime::Ticker>(kHealthPeriod, [this] { RefreshHealth(); });
+  dial_ticker_ = std::make_unique<runtime::Ticker>(kHealthPeriod, [this] { Dial(); });
   sweeping_ = options.sweep.count() > 0;
   sweep_ticker_ = std::make_unique<runtime::Ticker>(options.sweep, [this] { Sweep(); });
   return {};
+}
+
+void Host::Dial() {
+  const Status dialled = acceptor_->Dial(kDialPatience);
+  readiness_.TellDialled(dialled);
+  if (dialled) return;
+  spdlog::warn("event=not_let_in message=\"{}\"", dialled.error().message);
+  if (!readiness_.IsDeaf()) return;
+  if (const auto on_deaf = std::exchange(on_deaf_, nullptr)) on_deaf();
 }
 
 void Host::Sweep() {
@@ -156,29 +226,29 @@ void Host::RefreshHealth() {
                 "event=readiness state={} why=\"{}\"", StateName(verdict.state), verdict.why);
   }
   said_ = verdict.state;
-  SayServing(verdict.ready());
+  health_.Serving(verdict.ready());
 }
 
 void Host::AnnounceStop() {
   readiness_.AnnounceStop();
   const MutexLock lock(&health_mutex_);
   said_ = Verdict::State::kDraining;
-  SayServing(false);
+  health_.Serving(false);
 }
 
 void Host::Stop(std::chrono::milliseconds grace) {
   AnnounceStop();
-  for (runtime::Ticker* ticker : {health_ticker_.get(), sweep_ticker_.get()}) {
+  for (runtime::Ticker* ticker : {health_ticker_.get(), dial_ticker_.get(), sweep_ticker_.get()}) {
     if (ticker != nullptr) ticker->Stop();
   }
+  // Before gRPC stops: it takes no connections then.
+  acceptor_.reset();
   if (server_) {
     engine_.streams.Drain();
+    health_.End();
     server_->Shutdown(std::chrono::system_clock::now() + grace);
     server_->Wait();
     server_.reset();
-    for (const std::string& address : listen_) {
-      if (const std::string path = UnixPath(address); !path.empty()) unlink(path.c_str());
-    }
   }
   // After the calls: their last jobs finish them.
   for (runtime::WorkerPool* lane : {&engine_.control, &engine_.interactive, &engine_.jobs}) {
@@ -187,23 +257,6 @@ void Host::Stop(std::chrono::milliseconds grace) {
   // Lives that have become longer since the last sweep.
   if (std::exchange(sweeping_, false)) Sweep();
   admin_.reset();
-}
-
-void Host::SayServing(bool serving) {
-  auto* health = server_ ? server_->GetHealthCheckService() : nullptr;
-  if (health != nullptr) health->SetServingStatus(serving);
-}
-
-Fault Host::CannotListen(const std::vector<int>& ports) const {
-  // The first port that was not bound; those after it were not tried.
-  std::size_t failed = 0;
-  while (failed + 1 < ports.size() && ports[failed] != 0) ++failed;
-  const std::string address = listen_.empty() ? "(no address)" : listen_[failed];
-  return Fault(FaultKind::kAlreadyExists,
-               fmt::format("Cannot listen on {}: it is in use or not an address of this machine.",
-                           address))
-      .Field("listen")
-      .Detail("address", address);
 }
 
 }  // namespace arap::host

@@ -2,18 +2,24 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <sys/types.h>
+
 #include "arap/base/result.h"
 #include "arap/model/limits.h"
 #include "core/base/mutex.h"
 #include "server/engine.h"
+#include "server/host/acceptor.h"
 #include "server/host/admin_http.h"
 #include "server/host/credentials.h"
 #include "server/host/readiness.h"
+#include "server/rpc/connections.h"
+#include "server/rpc/health.h"
 #include "server/rpc/services.h"
 #include "server/runtime/clock.h"
 #include "server/runtime/ticker.h"
@@ -26,6 +32,8 @@ namespace arap::host {
 
 struct HostOptions {
   std::vector<std::string> listen = {"127.0.0.1:50051"};  // see listen.h
+  mode_t socket_mode = 0600;                              // of unix sockets
+  rpc::ConnectionBounds connections;
   Limits limits;
   app::Lanes lanes;
   CredentialOptions credentials;
@@ -42,6 +50,9 @@ struct HostOptions {
   std::chrono::milliseconds sweep = std::chrono::seconds(1);
   std::shared_ptr<const runtime::Clock> clock;  // null: the system's
   store::StoreOptions store;                    // memory unless told
+  // Runs once, in a thread of the host, when nobody has been let in for stuck_after: nothing but a
+  // new process helps. May be empty.
+  std::function<void()> on_deaf;
 };
 
 class Host {
@@ -87,22 +98,28 @@ class Host {
   Status Serve(const HostOptions& options);
   // Says when it begins to fail and when it works again, not every second.
   void Sweep();
-  void SayServing(bool serving) ABSL_EXCLUSIVE_LOCKS_REQUIRED(health_mutex_);
-  Fault CannotListen(const std::vector<int>& ports) const;
+  // Knocks at our own doors.
+  void Dial();
+  std::vector<std::string> ServiceNames() const;
 
   // Destroyed from the bottom up: the server before its services before what they work on.
   const std::shared_ptr<const runtime::Clock> clock_;
   const std::unique_ptr<Credentials> credentials_;
   app::Engine engine_;
   Readiness readiness_;
-  const std::vector<rpc::NamedService> services_;
-  const std::vector<std::string> listen_;
+  rpc::Connections connections_;
+  rpc::Identity identity_;
+  std::vector<rpc::NamedService> services_;
+  rpc::Health health_;
   std::vector<std::string> addresses_;
   std::unique_ptr<grpc::Server> server_;
+  std::unique_ptr<Acceptor> acceptor_;
   std::unique_ptr<AdminHttp> admin_;
   Mutex health_mutex_;  // what is said to grpc.health follows the order of what is found
   Verdict::State said_ ABSL_GUARDED_BY(health_mutex_) = Verdict::State::kReady;
   std::unique_ptr<runtime::Ticker> health_ticker_;
+  std::function<void()> on_deaf_;  // of the thread that dials
+  std::unique_ptr<runtime::Ticker> dial_ticker_;
   // Of the thread that sweeps.
   std::size_t sweeps_ = 0;
   bool sweep_failed_ = false;

@@ -22,6 +22,8 @@ const char* StateName(Verdict::State state) {
       return "stuck";
     case Verdict::State::kStore:
       return "store";
+    case Verdict::State::kDeaf:
+      return "deaf";
   }
   return "";
 }
@@ -41,6 +43,17 @@ void Readiness::Probe() {
   probing_since_.reset();
   // The kind and not the message, which may name addresses and paths.
   store_fault_ = answer ? "" : fmt::format("The store fails: {}.", FaultName(answer.error().kind));
+}
+
+void Readiness::TellDialled(const Status& dialled) {
+  const MutexLock lock(&mutex_);
+  if (dialled) deaf_since_.reset();
+  if (!dialled && !deaf_since_) deaf_since_ = clock_.SteadyNow();
+}
+
+bool Readiness::IsDeaf() const {
+  const MutexLock lock(&mutex_);
+  return deaf_since_ && clock_.SteadyNow() - *deaf_since_ > stuck_after_;
 }
 
 void Readiness::AnnounceStop() {
@@ -71,6 +84,7 @@ Verdict Readiness::Check() const {
   if (probing_since_ && clock_.SteadyNow() - *probing_since_ > stuck_after_) {
     return {Verdict::State::kStore, "The store does not answer."};
   }
+  if (deaf_since_) return {Verdict::State::kDeaf, "The server lets nobody in."};
   if (!store_fault_.empty()) return {Verdict::State::kStore, store_fault_};
   return {};
 }

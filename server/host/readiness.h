@@ -20,6 +20,7 @@ struct Verdict {
     kDraining,  // goes away: send no new sessions, let the streams be
     kStuck,     // a lane does not get on
     kStore,     // the store fails or does not answer
+    kDeaf,      // nobody is let in any more
   };
   State state = State::kReady;
   std::string why;  // a sentence without secrets; empty when ready
@@ -27,7 +28,7 @@ struct Verdict {
   bool ready() const { return state == State::kReady; }
 };
 
-// "ready", "draining", "stuck", "store".
+// "ready", "draining", "stuck", "store", "deaf".
 const char* StateName(Verdict::State state);
 
 // Thread-safe.
@@ -47,6 +48,11 @@ class Readiness {
 
   // Asks the store and keeps the answer. To be called every second or so, from one thread.
   void Probe();
+
+  // What became of knocking at our own doors, as clients do.
+  void TellDialled(const Status& dialled);
+  // Whether nobody has been let in for longer than the patience.
+  bool IsDeaf() const;
 
   // From now on draining, whatever else.
   void AnnounceStop();
@@ -69,6 +75,7 @@ class Readiness {
   std::optional<runtime::Clock::Steady> probing_since_ ABSL_GUARDED_BY(mutex_);
   // Empty: the last probe was good.
   std::string store_fault_ ABSL_GUARDED_BY(mutex_);
+  std::optional<runtime::Clock::Steady> deaf_since_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace arap::host

@@ -55,9 +55,8 @@ std::optional<std::string> CommonNameOf(const grpc::CallbackServerContext& conte
   return std::string(View(names.front()));
 }
 
-}  // namespace
-
-Result<app::Caller> CallerOf(const grpc::CallbackServerContext& context, const Identity& identity) {
+// Who it is by token or certificate.
+Result<app::Caller> Identify(const grpc::CallbackServerContext& context, const Identity& identity) {
   const auto token = TokenOf(context);
   if (!token) return Fail(token.error());
   if (*token) {
@@ -78,11 +77,25 @@ Result<app::Caller> CallerOf(const grpc::CallbackServerContext& context, const I
   return app::Caller{app::kNobody, app::Role::kUser, identity.limits};
 }
 
-app::TokenWatch WatchCaller(const grpc::CallbackServerContext& context, const Identity& identity,
-                            const app::Caller& caller, std::function<void(Fault)> lost) {
+}  // namespace
+
+Result<app::Caller> CallerOf(const grpc::CallbackServerContext& context, const Identity& identity) {
+  auto caller = Identify(context, identity);
+  if (caller && identity.connections != nullptr) identity.connections->Known(context.peer());
+  return caller;
+}
+
+CallerWatch WatchCaller(const grpc::CallbackServerContext& context, const Identity& identity,
+                        const app::Caller& caller, const std::function<void(Fault)>& lost) {
+  CallerWatch watch;
+  if (identity.connections != nullptr) {
+    watch.age = identity.connections->WatchAge(context.peer(), lost);
+  }
   const auto token = TokenOf(context);
-  if (!identity.tokens || !token || !*token) return {};
-  return identity.tokens->Watch(app::TokenFile::IdOf(**token), caller.owner, std::move(lost));
+  if (identity.tokens && token && *token) {
+    watch.token = identity.tokens->Watch(app::TokenFile::IdOf(**token), caller.owner, lost);
+  }
+  return watch;
 }
 
 // "No deadline" reaches a server as one centuries off.

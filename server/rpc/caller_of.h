@@ -10,6 +10,7 @@
 #include "arap/base/result.h"
 #include "server/access/caller.h"
 #include "server/access/tokens.h"
+#include "server/rpc/connections.h"
 
 namespace grpc {
 class CallbackServerContext;
@@ -22,6 +23,7 @@ struct Identity {
   std::shared_ptr<app::Tokens> tokens;  // null: tokens are refused
   bool demanded = false;                // those without identity are refused
   OwnerLimits limits;                   // of owners that come without a token
+  Connections* connections = nullptr;   // hears of callers that are let in; null: nobody does
 };
 
 // The header "authorization: Bearer TOKEN" decides when it is there: a token that does not hold is
@@ -31,11 +33,15 @@ struct Identity {
 // x-session-id plays no part.
 Result<app::Caller> CallerOf(const grpc::CallbackServerContext& context, const Identity& identity);
 
-// For calls that last: `lost` runs at most once, with kUnauthenticated, when the token that the
-// call came with does not hold any more; see Tokens::Watch. Watches nothing for a call without
-// token.
-app::TokenWatch WatchCaller(const grpc::CallbackServerContext& context, const Identity& identity,
-                            const app::Caller& caller, std::function<void(Fault)> lost);
+// For calls that last: `lost` runs with kUnauthenticated when the token that the call came with does
+// not hold any more (see Tokens::Watch), and with kDraining when its connection has reached its age
+// (see Connections::WatchAge).
+struct CallerWatch {
+  app::TokenWatch token;
+  Connections::Entry age;
+};
+CallerWatch WatchCaller(const grpc::CallbackServerContext& context, const Identity& identity,
+                        const app::Caller& caller, const std::function<void(Fault)>& lost);
 
 // The caller's cancellation and deadline. `context` outlives every check of the token. A check is
 // also where a job gives way to frames (runtime::GiveWay).

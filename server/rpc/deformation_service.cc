@@ -4,11 +4,12 @@
 #include <arap/v1/deformation_service.grpc.pb.h>
 
 #include "core/base/names.h"
+#include "core/base/try.h"
 #include "server/budget/faults.h"
 #include "server/rpc/convert.h"
 #include "server/rpc/long_calls.h"
+#include "server/rpc/methods.h"
 #include "server/rpc/services.h"
-#include "server/rpc/unary.h"
 #include "server/runtime/clock.h"
 #include "server/runtime/metrics.h"
 #include "server/sessions/handle_sets.h"
@@ -167,91 +168,31 @@ Status Deform(app::Engine& engine, const v1::DeformRequest& request, const Call&
   return {};
 }
 
-namespace {
-
-using Context = grpc::CallbackServerContext;
-using Unary = grpc::ServerUnaryReactor;
-
-class DeformationServiceImpl final : public v1::DeformationService::CallbackService {
- public:
-  explicit DeformationServiceImpl(const Backend& backend) : backend_(backend) {}
-
-  Unary* CreateSession(Context* context, const v1::CreateSessionRequest* request,
-                       v1::CreateSessionResponse* response) override {
-    return Run(backend_, {"CreateSession", Cost::kStore}, context, request, response,
-               rpc::CreateSession);
-  }
-  Unary* GetSession(Context* context, const v1::GetSessionRequest* request,
-                    v1::GetSessionResponse* response) override {
-    return Run(backend_, {"GetSession", Cost::kStore, true}, context, request, response,
-               rpc::GetSession);
-  }
-  Unary* ListSessions(Context* context, const v1::ListSessionsRequest* request,
-                      v1::ListSessionsResponse* response) override {
-    return Run(backend_, {"ListSessions", Cost::kStore, true}, context, request, response,
-               rpc::ListSessions);
-  }
-  Unary* DeleteSession(Context* context, const v1::DeleteSessionRequest* request,
-                       v1::DeleteSessionResponse* response) override {
-    return Run(backend_, {"DeleteSession", Cost::kStore}, context, request, response,
-               rpc::DeleteSession);
-  }
-  Unary* RegisterMesh(Context* context, const v1::RegisterMeshRequest* request,
-                      v1::RegisterMeshResponse* response) override {
-    return Run(backend_, {"RegisterMesh", Cost::kHeavy, false, &backend_.engine.registrations},
-               context, request, response, rpc::RegisterMesh);
-  }
-  Unary* GetMesh(Context* context, const v1::GetMeshRequest* request,
-                 v1::GetMeshResponse* response) override {
-    return Run(backend_, {"GetMesh", Cost::kLookUp, true}, context, request, response,
-               rpc::GetMesh);
-  }
-  Unary* DeleteMesh(Context* context, const v1::DeleteMeshRequest* request,
-                    v1::DeleteMeshResponse* response) override {
-    return Run(backend_, {"DeleteMesh", Cost::kStore}, context, request, response, rpc::DeleteMesh);
-  }
-  Unary* CompileHandles(Context* context, const v1::CompileHandlesRequest* request,
-                        v1::CompileHandlesResponse* response) override {
-    return Run(backend_, {"CompileHandles", Cost::kHeavy, false, &backend_.engine.compilations},
-               context, request, response, rpc::CompileHandles);
-  }
-  Unary* EditHandles(Context* context, const v1::EditHandlesRequest* request,
-                     v1::EditHandlesResponse* response) override {
-    return Run(backend_, {"EditHandles", Cost::kHeavy, false, &backend_.engine.compilations},
-               context, request, response, rpc::EditHandles);
-  }
-  Unary* GetHandleSet(Context* context, const v1::GetHandleSetRequest* request,
-                      v1::GetHandleSetResponse* response) override {
-    return Run(backend_, {"GetHandleSet", Cost::kLookUp, true}, context, request, response,
-               rpc::GetHandleSet);
-  }
-  Unary* DeleteHandleSet(Context* context, const v1::DeleteHandleSetRequest* request,
-                         v1::DeleteHandleSetResponse* response) override {
-    return Run(backend_, {"DeleteHandleSet", Cost::kStore}, context, request, response,
-               rpc::DeleteHandleSet);
-  }
-  Unary* Deform(Context* context, const v1::DeformRequest* request,
-                v1::DeformResponse* response) override {
-    return Run(backend_, {"Deform", Cost::kFrame, true}, context, request, response, rpc::Deform);
-  }
-  grpc::ServerWriteReactor<v1::DeformTrackResponse>* DeformTrack(
-      Context* context, const v1::DeformTrackRequest* request) override {
-    return rpc::DeformTrack(backend_.engine, backend_.identity, context, request);
-  }
-  grpc::ServerBidiReactor<v1::StreamDeformRequest, v1::StreamDeformResponse>* StreamDeform(
-      Context* context) override {
-    return rpc::StreamDeform(backend_.engine, backend_.identity, context);
-  }
-
- private:
-  const Backend backend_;
-};
-
-}  // namespace
-
 NamedService MakeDeformationService(const Backend& backend) {
-  return {v1::DeformationService::service_full_name(),
-          std::make_unique<DeformationServiceImpl>(backend)};
+  constexpr bool kNoisy = true;
+  app::Engine& engine = backend.engine;
+  auto service = std::make_unique<Methods>(backend, v1::DeformationService::service_full_name());
+  service->Unary({"CreateSession", Cost::kStore}, CreateSession);
+  service->Unary({"GetSession", Cost::kStore, kNoisy}, GetSession);
+  service->Unary({"ListSessions", Cost::kStore, kNoisy}, ListSessions);
+  service->Unary({"DeleteSession", Cost::kStore}, DeleteSession);
+  service->Unary({"RegisterMesh", Cost::kHeavy, false, &engine.registrations}, RegisterMesh);
+  service->Unary({"GetMesh", Cost::kLookUp, kNoisy}, GetMesh);
+  service->Unary({"DeleteMesh", Cost::kStore}, DeleteMesh);
+  service->Unary({"CompileHandles", Cost::kHeavy, false, &engine.compilations}, CompileHandles);
+  service->Unary({"EditHandles", Cost::kHeavy, false, &engine.compilations}, EditHandles);
+  service->Unary({"GetHandleSet", Cost::kLookUp, kNoisy}, GetHandleSet);
+  service->Unary({"DeleteHandleSet", Cost::kStore}, DeleteHandleSet);
+  service->Unary({"Deform", Cost::kFrame, kNoisy}, Deform);
+  service->Stream<v1::DeformTrackRequest, v1::DeformTrackResponse>(
+      "DeformTrack", [backend](Methods::Context* context) {
+        return DeformTrack(backend.engine, backend.identity, context);
+      });
+  service->Stream<v1::StreamDeformRequest, v1::StreamDeformResponse>(
+      "StreamDeform", [backend](Methods::Context* context) {
+        return StreamDeform(backend.engine, backend.identity, context);
+      });
+  return Named(std::move(service));
 }
 
 }  // namespace arap::rpc

@@ -3,10 +3,11 @@
 
 #include <arap/v1/flattening_service.grpc.pb.h>
 
+#include "core/base/try.h"
 #include "server/flattening/prepared_surfaces.h"
 #include "server/rpc/convert.h"
+#include "server/rpc/methods.h"
 #include "server/rpc/services.h"
-#include "server/rpc/unary.h"
 #include "server/runtime/clock.h"
 
 namespace arap::rpc {
@@ -34,28 +35,10 @@ Status Flatten(app::Engine& engine, const v1::FlattenRequest& request, const Cal
   return {};
 }
 
-namespace {
-
-class FlatteningServiceImpl final : public v1::FlatteningService::CallbackService {
- public:
-  explicit FlatteningServiceImpl(const Backend& backend) : backend_(backend) {}
-
-  grpc::ServerUnaryReactor* Flatten(grpc::CallbackServerContext* context,
-                                    const v1::FlattenRequest* request,
-                                    v1::FlattenResponse* response) override {
-    return Run(backend_, {"Flatten", Cost::kHeavy, false, &backend_.engine.flattenings}, context,
-               request, response, rpc::Flatten);
-  }
-
- private:
-  const Backend backend_;
-};
-
-}  // namespace
-
 NamedService MakeFlatteningService(const Backend& backend) {
-  return {v1::FlatteningService::service_full_name(),
-          std::make_unique<FlatteningServiceImpl>(backend)};
+  auto service = std::make_unique<Methods>(backend, v1::FlatteningService::service_full_name());
+  service->Unary({"Flatten", Cost::kHeavy, false, &backend.engine.flattenings}, Flatten);
+  return Named(std::move(service));
 }
 
 }  // namespace arap::rpc

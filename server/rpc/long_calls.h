@@ -26,9 +26,9 @@ grpc::ServerBidiReactor<v1::StreamDeformRequest, v1::StreamDeformResponse>* Stre
 // The same for a whole track of targets in, its frames out. All frames are checked before the first
 // is answered, except for what only the solution shows (CONFLICTING_HANDLES, NUMERICAL): that ends
 // the track at its frame. One frame is computed while the one before it is written; a client that
-// does not read costs one waiting frame and no thread, and is cut off after max_stream_idle.
-grpc::ServerWriteReactor<v1::DeformTrackResponse>* DeformTrack(
-    app::Engine& engine, const Identity& identity, grpc::CallbackServerContext* context,
-    const v1::DeformTrackRequest* request);
+// does not read costs one waiting frame and no thread, and is cut off after max_stream_idle. The one
+// message that comes in is read when CallerOf has let the call in.
+grpc::ServerBidiReactor<v1::DeformTrackRequest, v1::DeformTrackResponse>* DeformTrack(
+    app::Engine& engine, const Identity& identity, grpc::CallbackServerContext* context);
 
 }  // namespace arap::rpc

@@ -9,6 +9,9 @@
 #include "arap/base/result.h"
 #include "server/runtime/clock.h"
 
+namespace grpc {
+class CallbackServerContext;
+}
 namespace arap::runtime {
 class Metrics;
 }
@@ -26,11 +29,19 @@ class RpcLog {
   RpcLog(const char* method, const std::string& session_id, bool noisy,
          runtime::Metrics* metrics = nullptr);
 
+  // What the call says of itself, before it is answered: the trace of W3C's traceparent, and
+  // x-request-id, or an id of ours, which goes back to the caller under that name.
+  void Named(grpc::CallbackServerContext& context);
+  // It is a stream or a track: how long it lives is counted apart from how long calls take.
+  void Lasts() { lasts_ = true; }
   // Who is calling, once that is known.
   void Owner(const std::string& owner);
+  // The request is here: time counts from now.
+  void Arrived() { time_ = {}; }
+  void Session(const std::string& session_id);
 
-  // rpc=Deform owner=alice session=abc code=OK ms=0.91, with reason= and extra (" key=value…")
-  // appended. Counts the RPC, and the quota if one refused it.
+  // rpc=Deform owner=alice session=abc code=OK ms=0.91, with reason=, request=, trace= and extra
+  // (" key=value…") appended. Counts the RPC, and the quota if one refused it.
   void End(const Status& status, const std::string& extra = {}) const;
 
   // For streams, whose session is known only later: rpc=StreamDeform session=abc event=open.
@@ -40,7 +51,9 @@ class RpcLog {
   const char* method_;
   std::string session_id_;
   std::string owner_ = "-";
+  std::string names_;  // " request=… trace=…"
   bool noisy_;
+  bool lasts_ = false;
   runtime::Metrics* metrics_;
   runtime::WallTimer time_;
 };

@@ -5,8 +5,8 @@
 
 #include "proto/convert/limits.h"
 #include "server/engine.h"
+#include "server/rpc/methods.h"
 #include "server/rpc/services.h"
-#include "server/rpc/unary.h"
 
 namespace arap::rpc {
 namespace {
@@ -40,27 +40,15 @@ Status GetServerInfo(app::Engine& engine, const v1::GetServerInfoRequest&, const
   return {};
 }
 
-namespace {
-
-class ServerServiceImpl final : public v1::ServerService::CallbackService {
- public:
-  explicit ServerServiceImpl(const Backend& backend) : backend_(backend) {}
-
-  grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
-                                          const v1::GetServerInfoRequest* request,
-                                          v1::GetServerInfoResponse* response) override {
-    return Run(backend_, {"GetServerInfo", Cost::kTrivial, true, nullptr, true}, context, request,
-               response, rpc::GetServerInfo);
-  }
-
- private:
-  const Backend backend_;
-};
-
-}  // namespace
-
 NamedService MakeServerService(const Backend& backend) {
-  return {v1::ServerService::service_full_name(), std::make_unique<ServerServiceImpl>(backend)};
+  auto service = std::make_unique<Methods>(backend, v1::ServerService::service_full_name());
+  service->Unary({"GetServerInfo", Cost::kTrivial, true, nullptr, true}, GetServerInfo);
+  return Named(std::move(service));
+}
+
+NamedService Named(std::unique_ptr<Methods> methods) {
+  std::string name = methods->service();
+  return {std::move(name), std::move(methods)};
 }
 
 std::vector<NamedService> MakeServices(app::Engine& engine, const Identity& identity) {

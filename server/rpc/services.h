@@ -24,6 +24,7 @@ namespace arap::rpc {
 struct Backend;
 struct Call;
 struct Identity;
+class Methods;
 
 struct NamedService {
   std::string name;  // as in the health service, "arap.v1.DeformationService"
@@ -34,6 +35,7 @@ struct NamedService {
 // are registered with.
 std::vector<NamedService> MakeServices(app::Engine& engine, const Identity& identity);
 
+NamedService Named(std::unique_ptr<Methods> methods);
 NamedService MakeDeformationService(const Backend& backend);
 NamedService MakeFlatteningService(const Backend& backend);
 NamedService MakeServerService(const Backend& backend);

@@ -88,6 +88,8 @@ class StreamReactor final
                  },
                  [this](double share) { engine_.admission.StaysAwake(this, share, Now()); }}),
         log_("StreamDeform", "", false, &engine.metrics) {
+    log_.Named(*context);
+    log_.Lasts();
     log_.Owner(caller_.owner);
   }
 
@@ -358,7 +360,7 @@ class StreamReactor final
   app::Engine& engine_;
   grpc::CallbackServerContext* const context_;
   const app::Caller caller_;
-  app::TokenWatch watch_;                // from Start until OnDone
+  CallerWatch watch_;                    // from Start until OnDone
   std::shared_ptr<StreamReactor> self_;  // likewise
 
   Mutex mutex_;

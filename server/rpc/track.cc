@@ -39,18 +39,19 @@ constexpr std::size_t kLanes = 2;
 
 // The frames that are sent to a client, and what they were computed from. As in the stream's
 // reactor: state behind a mutex, every entry pumps, jobs hold a shared pointer.
-class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackResponse>,
-                           public app::LongCall,
-                           public std::enable_shared_from_this<TrackReactor> {
+class TrackReactor final
+    : public grpc::ServerBidiReactor<v1::DeformTrackRequest, v1::DeformTrackResponse>,
+      public app::LongCall,
+      public std::enable_shared_from_this<TrackReactor> {
  public:
-  TrackReactor(app::Engine& engine, grpc::CallbackServerContext* context,
-               const v1::DeformTrackRequest& request, app::Caller caller)
+  TrackReactor(app::Engine& engine, grpc::CallbackServerContext* context, app::Caller caller)
       : engine_(engine),
         context_(context),
         caller_(std::move(caller)),
         cancel_(CancelTokenOf(context)),
-        request_(request),
-        log_("DeformTrack", request.session_id(), false, &engine.metrics) {
+        log_("DeformTrack", "", false, &engine.metrics) {
+    log_.Named(*context);
+    log_.Lasts();
     log_.Owner(caller_.owner);
   }
 
@@ -59,17 +60,24 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
   void Start(const grpc::CallbackServerContext& context, const Identity& identity,
              const Status& admitted) {
     self_ = shared_from_this();
-    const Status added = admitted ? engine_.streams.Add(self_, caller_) : admitted;
+    Status added = admitted ? engine_.streams.Add(self_, caller_) : admitted;
+    if (added && identity.connections != nullptr) {
+      auto receiving =
+          identity.connections->Receive(context.peer(), [weak = weak_from_this()](Fault late) {
+            if (const auto self = weak.lock()) self->End(std::move(late));
+          });
+      if (!receiving) added = Fail(std::move(receiving.error()));
+      const MutexLock lock(&mutex_);
+      if (receiving) receiving_ = *std::move(receiving);
+    }
     {
       const MutexLock lock(&mutex_);
-      if (!added) {
-        end_ = added.error();
-      } else {
-        StartPreparing();
-      }
+      if (added) StartRead(&request_);
+      reading_ = added.has_value();
+      if (!added) end_ = added.error();
       Pump();
     }
-    if (!admitted) return;
+    if (!added) return;
     watch_ = WatchCaller(context, identity, caller_, [weak = weak_from_this()](Fault lost) {
       if (const auto self = weak.lock()) self->End(std::move(lost));
     });
@@ -90,6 +98,24 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
     if ((end_ && now - wrote_ >= app::kLastWrite) || (idle.count() > 0 && now - wrote_ >= idle)) {
       context_->TryCancel();
     }
+  }
+
+  void OnReadDone(bool ok) override {
+    const std::size_t size = ok ? request_.ByteSizeLong() : 0;
+    const MutexLock lock(&mutex_);
+    receiving_.Received(size);
+    reading_ = false;
+    log_.Arrived();
+    log_.Session(request_.session_id());
+    const std::size_t most = engine_.limits.max_message_bytes;
+    if (!ok) {
+      cancelled_ = true;
+    } else if (size > most) {
+      if (!end_) end_ = app::TooLarge("The request", "max_message_bytes", size, most);
+    } else if (!end_) {
+      StartPreparing();
+    }
+    Pump();
   }
 
   void OnWriteDone(bool ok) override {
@@ -149,6 +175,8 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
           engine_.jobs.Continue([self = self_] { self->RunFrames(); }, TurnOf(frames_seconds_));
       if (!working_) end_ = app::Overloaded();
     }
+    // A request that does not arrive is not waited for.
+    if (reading_ && !cancelled_ && !end_) return;
     if (!working_ && !writing_ && (cancelled_ || ready_.empty())) FinishTrack();
   }
 
@@ -187,7 +215,6 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
   }
 
   Status Prepare() {
-    CHECK_OK(CheckSize(engine_.limits, request_.ByteSizeLong()));
     TRY(const auto session, engine_.sessions.Use(caller_.owner, request_.session_id()));
     TRY(auto entry,
         app::WarmHandleSet(engine_, caller_, *session, request_.handle_set_id(), cancel_));
@@ -269,9 +296,9 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
   grpc::CallbackServerContext* const context_;
   const app::Caller caller_;
   const CancelToken cancel_;
-  const v1::DeformTrackRequest& request_;  // gRPC's, until the call is done
-  app::TokenWatch watch_;                  // from Start until OnDone
-  std::shared_ptr<TrackReactor> self_;     // likewise
+  v1::DeformTrackRequest request_;      // gRPC's while reading_
+  CallerWatch watch_;                   // from Start until OnDone
+  std::shared_ptr<TrackReactor> self_;  // likewise
 
   // The running job's own; when none runs, of whoever holds mutex_.
   ShapeOptions options_;
@@ -284,6 +311,8 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
 
   Mutex mutex_;
   app::DerivedCache::Reservation request_room_ ABSL_GUARDED_BY(mutex_);
+  bool reading_ ABSL_GUARDED_BY(mutex_) = false;
+  Connections::Entry receiving_ ABSL_GUARDED_BY(mutex_);
   bool prepared_ ABSL_GUARDED_BY(mutex_) = false;
   bool working_ ABSL_GUARDED_BY(mutex_) = false;
   std::deque<v1::DeformTrackResponse> ready_ ABSL_GUARDED_BY(mutex_);  // at most kLanes
@@ -300,12 +329,11 @@ class TrackReactor final : public grpc::ServerWriteReactor<v1::DeformTrackRespon
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::DeformTrackResponse>* DeformTrack(
-    app::Engine& engine, const Identity& identity, grpc::CallbackServerContext* context,
-    const v1::DeformTrackRequest* request) {
+grpc::ServerBidiReactor<v1::DeformTrackRequest, v1::DeformTrackResponse>* DeformTrack(
+    app::Engine& engine, const Identity& identity, grpc::CallbackServerContext* context) {
   auto caller = CallerOf(*context, identity);
   const auto reactor =
-      std::make_shared<TrackReactor>(engine, context, *request, caller.value_or(app::Caller{}));
+      std::make_shared<TrackReactor>(engine, context, caller.value_or(app::Caller{}));
   reactor->Start(*context, identity, caller ? Status() : Fail(std::move(caller.error())));
   return reactor.get();
 }

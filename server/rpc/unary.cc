@@ -1,11 +1,13 @@
 #include "server/rpc/unary.h"
 
+#include <atomic>
 #include <utility>
 
-#include "core/base/names.h"
+#include "core/base/try.h"
 #include "proto/convert/status.h"
 #include "server/budget/estimate.h"
 #include "server/budget/faults.h"
+#include "server/rpc/connections.h"
 #include "server/rpc/rpc_log.h"
 #include "server/runtime/clock.h"
 #include "server/runtime/worker_pool.h"
@@ -13,53 +15,79 @@
 namespace arap::rpc {
 namespace {
 
-// Steps on lanes, one after the other. Finish is called exactly once, at the end of the last, so
-// that nothing is deleted under a worker.
-class UnaryReactor final : public grpc::ServerUnaryReactor {
+// Requests up to this size are taken apart on gRPC's threads: it takes less time than a lane's
+// queue.
+constexpr std::size_t kSmall = 64u << 10u;
+
+// The request, then steps on lanes, one after the other. Finish is called exactly once, at the end
+// of the last, so that nothing is deleted under a worker.
+class UnaryReactor final : public UnaryStream, public std::enable_shared_from_this<UnaryReactor> {
  public:
   UnaryReactor(const Backend& backend, const Method& method, grpc::CallbackServerContext* context,
-               UnaryJob job)
+               std::unique_ptr<UnaryJob> job)
       : engine_(backend.engine),
         method_(method),
         job_(std::move(job)),
-        log_(method.name, job_.session_id, method.noisy, &engine_.metrics) {
+        log_(method.name, "", method.noisy, &engine_.metrics) {
     call_.cancel = CancelTokenOf(context);
+    log_.Named(*context);
   }
 
-  void Start(Result<app::Caller> caller) {
+  void Start(const Identity& identity, const std::string& peer, Result<app::Caller> caller) {
+    self_ = shared_from_this();
     if (!caller) return End(Fail(std::move(caller.error())));
     call_.caller = *std::move(caller);
     log_.Owner(call_.caller.owner);
-    auto room = engine_.derived.Reserve(call_.caller, app::RequestBytes(job_.bytes));
-    if (!room) return End(Fail(std::move(room.error())));
-    room_ = *std::move(room);
+    if (method_.cost == Cost::kTrivial) return Work();
+    if (identity.connections != nullptr) {
+      auto receiving =
+          identity.connections->Receive(peer, [weak = weak_from_this()](const Fault& late) {
+            if (const auto self = weak.lock()) self->Late(late);
+          });
+      if (!receiving) return End(Fail(std::move(receiving.error())));
+      receiving_ = *std::move(receiving);
+    }
+    StartRead(&bytes_);
+  }
+
+  void OnReadDone(bool ok) override {
+    if (arrived_.exchange(true)) return;  // too late
+    const std::size_t size = ok ? bytes_.Length() : 0;
+    receiving_.Received(size);
+    waiting_ = {};
+    log_.Arrived();
+    if (!ok) {
+      const Status alive = call_.cancel.Check();
+      return End(alive ? Fail(FaultKind::kCancelled, "The call ended without a request.") : alive);
+    }
+    if (auto room = MakeRoom(size); !room) return End(room);
     if (method_.gate != nullptr) {
       auto pass = method_.gate->Enter(call_.caller.owner);
       if (!pass) return End(Fail(WithOutlook(std::move(pass.error()), engine_.jobs)));
       pass_ = *std::move(pass);
     }
-    switch (method_.cost) {
-      case Cost::kTrivial:
-        return Work();
-      case Cost::kStore:
-        return Post(engine_.control, &UnaryReactor::Work);
-      case Cost::kHeavy:
-        Expect(engine_.sessions.Glance(call_.caller.owner, job_.session_id).get());
-        return Post(engine_.jobs, &UnaryReactor::Work);
-      case Cost::kLookUp:
-      case Cost::kFrame:
-        call_.session = engine_.sessions.Peek(call_.caller.owner, job_.session_id);
-        if (method_.cost == Cost::kFrame && call_.session) {
-          Expect(call_.session.get());
-          return Compute();
-        }
-        return Post(engine_.control, &UnaryReactor::LookUp);
-    }
+    if (size > kSmall) return Post(engine_.control, &UnaryReactor::ParseAndGoOn);
+    ParseAndGoOn();
   }
 
-  void OnDone() override { delete this; }
+  void OnDone() override { const auto self = std::move(self_); }
 
  private:
+  void Late(const Fault& fault) {
+    if (!arrived_.exchange(true)) End(Fail(fault));
+  }
+
+  // Memory for a request of so many bytes, in place of what was kept for it before.
+  Status MakeRoom(std::size_t bytes) {
+    const std::size_t most = engine_.limits.max_message_bytes;
+    if (bytes_.Length() > most) {
+      return Fail(app::TooLarge("The request", "max_message_bytes", bytes_.Length(), most));
+    }
+    room_.Release();
+    TRY(room_, engine_.derived.Reserve(call_.caller, app::RequestBytes(bytes)));
+    return {};
+  }
+
   void Post(runtime::WorkerPool& lane, void (UnaryReactor::*step)()) {
     if (lane.TryPost([this, step] { (this->*step)(); },
                      {call_.caller.owner, 0, expected_.seconds})) {
@@ -73,31 +101,62 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
     return app::WithOutlook(std::move(fault), outlook.place, outlook.wait);
   }
 
-  void Expect(const app::Session* session) {
-    if (job_.expect) expected_ = job_.expect(session);
+  // Where there is time for what the session is in memory for.
+  void Compute() { Post(IsLong() ? engine_.jobs : engine_.interactive, &UnaryReactor::Work); }
+  bool IsLong() const { return expected_.cold || expected_.seconds > app::kLongFrameSeconds; }
+
+  Status Parse() {
+    if (!job_->Parse(&bytes_)) {
+      return Fail(FaultKind::kInvalidOption,
+                  "The bytes of the request are not of its message type.");
+    }
+    log_.Session(job_->session_id());
+    CHECK_OK(MakeRoom(job_->bytes()));
+    bytes_.Clear();
+    return {};
   }
 
-  // Where there is time for what the session is in memory for.
-  void Compute() {
-    const bool is_long = expected_.cold || expected_.seconds > app::kLongFrameSeconds;
-    Post(is_long ? engine_.jobs : engine_.interactive, &UnaryReactor::Work);
+  void ParseAndGoOn() {
+    if (auto parsed = app::WithinMemory([&] { return Parse(); }); !parsed) return End(parsed);
+    const std::string& owner = call_.caller.owner;
+    switch (method_.cost) {
+      case Cost::kTrivial:
+      case Cost::kStore:
+        return Post(engine_.control, &UnaryReactor::Work);
+      case Cost::kHeavy:
+        expected_ = job_->Expect(engine_.sessions.Glance(owner, job_->session_id()).get());
+        return Post(engine_.jobs, &UnaryReactor::Work);
+      case Cost::kLookUp:
+      case Cost::kFrame:
+        call_.session = engine_.sessions.Peek(owner, job_->session_id());
+        if (method_.cost == Cost::kFrame && call_.session) {
+          expected_ = job_->Expect(call_.session.get());
+          return Compute();
+        }
+        return Post(engine_.control, &UnaryReactor::LookUp);
+    }
   }
 
   void LookUp() {
     if (auto alive = call_.cancel.Check(); !alive) return End(alive);
-    auto session = app::WithinMemory([&] { return SessionOf(engine_, call_, job_.session_id); });
+    auto session = app::WithinMemory([&] { return SessionOf(engine_, call_, job_->session_id()); });
     if (!session) return End(Fail(std::move(session.error())));
     call_.session = *std::move(session);
-    Expect(call_.session.get());
-    const bool is_long = expected_.cold || expected_.seconds > app::kLongFrameSeconds;
-    if (method_.cost == Cost::kFrame || is_long) return Compute();
+    expected_ = job_->Expect(call_.session.get());
+    if (method_.cost == Cost::kFrame || IsLong()) return Compute();
     Work();
   }
 
   void Work() {
     if (method_.cost != Cost::kTrivial) call_.queue_micros = waiting_.Micros();
     const Status alive = call_.cancel.Check();
-    End(alive ? app::WithinMemory([&] { return job_.work(call_); }) : alive);
+    End(alive ? app::WithinMemory([&] { return Answer(); }) : alive);
+  }
+
+  Status Answer() {
+    CHECK_OK(job_->Work(call_));
+    if (job_->Answer(&bytes_)) return {};
+    return Fail(FaultKind::kInternal, "The answer is too large for one message.");
   }
 
   // The last thing that happens to this object.
@@ -105,18 +164,23 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
     pass_.reset();
     room_.Release();
     log_.End(status);
-    Finish(status ? grpc::Status::OK : convert::ToGrpcStatus(status.error()));
+    if (status) return StartWriteAndFinish(&bytes_, grpc::WriteOptions(), grpc::Status::OK);
+    Finish(convert::ToGrpcStatus(status.error()));
   }
 
   app::Engine& engine_;
   const Method method_;
-  const UnaryJob job_;
+  const std::unique_ptr<UnaryJob> job_;
+  std::shared_ptr<UnaryReactor> self_;  // from Start until OnDone
+  grpc::ByteBuffer bytes_;              // the request, then the answer; gRPC's meanwhile
+  std::atomic<bool> arrived_{false};    // or given up
+  Connections::Entry receiving_;
   Call call_;
   app::DerivedCache::Reservation room_;  // for the request
   app::Gate::Pass pass_;
   Expected expected_;
   RpcLog log_;
-  const runtime::WallTimer waiting_;
+  runtime::WallTimer waiting_;
 };
 
 }  // namespace
@@ -127,22 +191,16 @@ Result<std::shared_ptr<app::Session>> SessionOf(app::Engine& engine, const Call&
   return engine.sessions.Use(call.caller.owner, session_id);
 }
 
-Status CheckSize(const Limits& limits, std::size_t request_bytes) {
-  const std::size_t most = limits.max_message_bytes;
-  if (request_bytes <= most) return {};
-  return Fail(app::TooLarge("The request", "max_message_bytes", request_bytes, most));
-}
-
-grpc::ServerUnaryReactor* RunUnary(const Backend& backend, const Method& method,
-                                   grpc::CallbackServerContext* context, UnaryJob job) {
+UnaryStream* RunUnary(const Backend& backend, const Method& method,
+                      grpc::CallbackServerContext* context, std::unique_ptr<UnaryJob> job) {
   auto caller = CallerOf(*context, backend.identity);
   // To those who are refused elsewhere, an open method answers as to nobody.
   if (!caller && method.open_to_all) {
     caller = app::Caller{app::kNobody, app::Role::kUser, backend.identity.limits};
   }
-  auto* reactor = new UnaryReactor(backend, method, context, std::move(job));
-  reactor->Start(std::move(caller));
-  return reactor;
+  const auto reactor = std::make_shared<UnaryReactor>(backend, method, context, std::move(job));
+  reactor->Start(backend.identity, context->peer(), std::move(caller));
+  return reactor.get();
 }
 
 }  // namespace arap::rpc

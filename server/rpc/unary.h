@@ -1,17 +1,22 @@
-// The unary call: who asks → where it runs → the handler → the answer. A service names its methods
-// with what they cost and hands each request to Run.
+// The unary call: who asks → the request → where it runs → the handler → the answer. A service
+// names its methods with what they cost, and each call goes through RunUnary.
+//
+// For gRPC it is a stream of one message each way: so it is asked who is calling before a byte of
+// the request is read, the request may be waited for as long as we like, and messages are taken
+// apart and put together on our lanes.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <string>
 
+#include <grpcpp/impl/codegen/proto_utils.h>
 #include <grpcpp/server_context.h>
+#include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
 #include "arap/base/cancel.h"
 #include "arap/base/result.h"
-#include "core/base/try.h"
 #include "server/access/caller.h"
 #include "server/budget/gate.h"
 #include "server/engine.h"
@@ -42,7 +47,7 @@ using Handler = Status (*)(app::Engine&, const Request&, const Call&, Response*)
 // What a handler does decides where it runs. What is expected to take longer than kLongFrameSeconds
 // is a job (costs.h).
 enum class Cost {
-  kTrivial,  // says what is known: at once
+  kTrivial,  // says what is known, whatever is asked: at once, and the request is not read
   kStore,    // may wait for the store: control
   kLookUp,   // the same, and when what it looks up was evicted: jobs
   kFrame,    // computes a frame: interactive; when what it needs was evicted: jobs
@@ -53,7 +58,7 @@ struct Method {
   const char* name;
   Cost cost;
   bool noisy = false;         // logged at debug only
-  app::Gate* gate = nullptr;  // taken until the call has ended; null: none
+  app::Gate* gate = nullptr;  // taken from the request's arrival to the end; null: none
   bool open_to_all = false;   // needs no identity
 };
 
@@ -63,44 +68,65 @@ struct Backend {
   const Identity& identity;
 };
 
-// A request without its type.
-struct UnaryJob {
-  std::string session_id;                   // for the log
-  std::function<Status(const Call&)> work;  // fills the response
-  std::size_t bytes = 0;                    // of the request, in memory
-  // Empty for what computes nothing.
-  std::function<Expected(const app::Session*)> expect;
+// A request and its response without their types.
+class UnaryJob {
+ public:
+  virtual ~UnaryJob() = default;
+  // False for bytes that are no such request.
+  virtual bool Parse(grpc::ByteBuffer* bytes) = 0;
+  // Of the request, in memory.
+  virtual std::size_t bytes() const = 0;
+  // For the log.
+  virtual std::string session_id() const = 0;
+  // Nothing for what computes nothing. `session` is null when it is not in memory.
+  virtual Expected Expect(const app::Session* session) const = 0;
+  virtual Status Work(const Call& call) = 0;
+  // Puts the response into bytes.
+  virtual bool Answer(grpc::ByteBuffer* bytes) = 0;
 };
 
-// kLimitExceeded for a request beyond max_message_bytes.
-Status CheckSize(const Limits& limits, std::size_t request_bytes);
+using UnaryStream = grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>;
 
-// Finishes the call with the status of its work. A caller who is refused takes no gate and no lane
-// and looks nothing up; a full lane answers kOverloaded and a shut gate kLimitExceeded, with what
-// waits before it and for how long; a request that there is no memory for is kLimitExceeded, and a
-// call that its caller has given up before it started is not begun.
-grpc::ServerUnaryReactor* RunUnary(const Backend& backend, const Method& method,
-                                   grpc::CallbackServerContext* context, UnaryJob job);
+// Finishes the call with the status of its work. A caller who is refused sends no request, takes no
+// gate and no lane and looks nothing up; a full lane answers kOverloaded and a shut gate
+// kLimitExceeded, with what waits before it and for how long; a request that there is no memory for
+// is kLimitExceeded, one that takes too long to arrive kDeadlineExceeded, and a call that its caller
+// has given up before it started is not begun.
+UnaryStream* RunUnary(const Backend& backend, const Method& method,
+                      grpc::CallbackServerContext* context, std::unique_ptr<UnaryJob> job);
 
-// The request and the response are gRPC's until the call has ended.
 template <class Request, class Response>
-grpc::ServerUnaryReactor* Run(const Backend& backend, const Method& method,
-                              grpc::CallbackServerContext* context, const Request* request,
-                              Response* response, Handler<Request, Response> handler) {
-  app::Engine& engine = backend.engine;
-  UnaryJob job;
-  job.work = [&engine, request, response, handler](const Call& call) -> Status {
-    CHECK_OK(CheckSize(engine.limits, request->ByteSizeLong()));
-    return handler(engine, *request, call, response);
-  };
-  if constexpr (requires { request->session_id(); }) job.session_id = request->session_id();
-  job.bytes = request->SpaceUsedLong();
-  if constexpr (requires { ExpectedOf(engine, nullptr, *request); }) {
-    job.expect = [&engine, request](const app::Session* session) {
-      return ExpectedOf(engine, session, *request);
-    };
+class UnaryJobOf final : public UnaryJob {
+ public:
+  UnaryJobOf(app::Engine& engine, Handler<Request, Response> handler)
+      : engine_(engine), handler_(handler) {}
+
+  bool Parse(grpc::ByteBuffer* bytes) override {
+    return grpc::SerializationTraits<Request>::Deserialize(bytes, &request_).ok();
   }
-  return RunUnary(backend, method, context, std::move(job));
-}
+  std::size_t bytes() const override { return request_.SpaceUsedLong(); }
+  std::string session_id() const override {
+    if constexpr (requires { request_.session_id(); }) return request_.session_id();
+    return {};
+  }
+  Expected Expect(const app::Session* session) const override {
+    if constexpr (requires { ExpectedOf(engine_, session, request_); }) {
+      return ExpectedOf(engine_, session, request_);
+    }
+    static_cast<void>(session);
+    return {};
+  }
+  Status Work(const Call& call) override { return handler_(engine_, request_, call, &response_); }
+  bool Answer(grpc::ByteBuffer* bytes) override {
+    bool own = false;
+    return grpc::SerializationTraits<Response>::Serialize(response_, bytes, &own).ok();
+  }
+
+ private:
+  app::Engine& engine_;
+  const Handler<Request, Response> handler_;
+  Request request_;
+  Response response_;
+};
 
 }  // namespace arap::rpc

@@ -13,12 +13,18 @@ namespace metric {
 // Calls.
 inline constexpr MetricInfo kRpcs{"arapd_rpcs_total",
                                   "RPCs that have ended, by method and status code."};
-inline constexpr MetricInfo kRpcSeconds{"arapd_rpc_seconds",
-                                        "From the call to its end, by method."};
+inline constexpr MetricInfo kRpcSeconds{
+    "arapd_rpc_seconds", "From a request's arrival to the end of its call, by method."};
+inline constexpr MetricInfo kStreamSeconds{"arapd_stream_seconds",
+                                           "How long streams and tracks lived, by method."};
 inline constexpr MetricInfo kRejected{"arapd_rejected_total",
                                       "Requests that a quota refused, by its name."};
 inline constexpr MetricInfo kCoalesced{"arapd_coalesced_frames_total",
                                        "Updates of streams that newer ones replaced."};
+inline constexpr MetricInfo kConnections{"arapd_connections", "Open connections."};
+inline constexpr MetricInfo kConnectionsCut{
+    "arapd_connections_cut_total",
+    "Connections that made room for others or broke the bounds of what comes in."};
 inline constexpr MetricInfo kOpenStreams{"arapd_open_streams", "Open streams and running tracks."};
 inline constexpr MetricInfo kSessions{"arapd_sessions", "Sessions in memory."};
 

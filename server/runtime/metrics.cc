@@ -2,6 +2,7 @@
 
 #include <array>
 #include <map>
+#include <span>
 
 #include <prometheus/counter.h>
 #include <prometheus/family.h>
@@ -22,13 +23,16 @@ using prometheus::Registry;
 // Nothing with a destructor: calls that end late are counted while the process already ends.
 constexpr std::array kSeconds = {0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05,
                                  0.1,    0.25,    0.5,    1.0,   2.5,    5.0,   10.0, 30.0,  60.0};
+// From a drag to a day's work.
+constexpr std::array kLifetimes = {1.0, 10.0, 60.0, 300.0, 1'800.0, 7'200.0, 28'800.0};
 
 // The metrics of one family, found by the values of their labels without building a label map.
 template <class Metric>
 class Series {
  public:
-  Series(prometheus::Family<Metric>& family, std::string label)
-      : family_(family), label_(std::move(label)) {}
+  Series(prometheus::Family<Metric>& family, std::string label,
+         std::span<const double> bounds = kSeconds)
+      : family_(family), label_(std::move(label)), bounds_(bounds) {}
 
   Metric& Of(std::string_view value) {
     const MutexLock lock(&mutex_);
@@ -40,7 +44,7 @@ class Series {
   Metric* Add(const std::string& value) {
     if constexpr (std::is_same_v<Metric, Histogram>) {
       return &family_.Add({{label_, value}},
-                          Histogram::BucketBoundaries(kSeconds.begin(), kSeconds.end()));
+                          Histogram::BucketBoundaries(bounds_.begin(), bounds_.end()));
     } else {
       return &family_.Add({{label_, value}});
     }
@@ -48,6 +52,7 @@ class Series {
 
   prometheus::Family<Metric>& family_;
   const std::string label_;
+  const std::span<const double> bounds_;
   Mutex mutex_;
   std::map<std::string, Metric*, std::less<>> metrics_ ABSL_GUARDED_BY(mutex_);
 };
@@ -60,8 +65,10 @@ Series<Counter> Counters(Registry& registry, const MetricInfo& info, const char*
   return {CounterFamily(registry, info), label};
 }
 
-Series<Histogram> Histograms(Registry& registry, const MetricInfo& info, const char* label) {
-  return {prometheus::BuildHistogram().Name(info.name).Help(info.help).Register(registry), label};
+Series<Histogram> Histograms(Registry& registry, const MetricInfo& info, const char* label,
+                             std::span<const double> bounds = kSeconds) {
+  return {prometheus::BuildHistogram().Name(info.name).Help(info.help).Register(registry), label,
+          bounds};
 }
 
 // What Watch was asked for.
@@ -127,6 +134,8 @@ struct Metrics::Impl {
       ABSL_GUARDED_BY(rpcs_mutex);
 
   Series<Histogram> rpc_seconds = Histograms(registry, metric::kRpcSeconds, "method");
+  Series<Histogram> stream_seconds =
+      Histograms(registry, metric::kStreamSeconds, "method", kLifetimes);
   Series<Histogram> queue_seconds = Histograms(registry, metric::kQueueSeconds, "lane");
   Series<Histogram> phase_seconds = Histograms(registry, metric::kPhaseSeconds, "phase");
   Series<Histogram> store_seconds = Histograms(registry, metric::kStoreSeconds, "op");
@@ -169,6 +178,11 @@ Metrics::~Metrics() = default;
 void Metrics::Rpc(std::string_view method, std::string_view code, double seconds) {
   impl_->Rpcs(method, code).Increment();
   impl_->rpc_seconds.Of(method).Observe(seconds);
+}
+
+void Metrics::Stream(std::string_view method, std::string_view code, double seconds) {
+  impl_->Rpcs(method, code).Increment();
+  impl_->stream_seconds.Of(method).Observe(seconds);
 }
 
 void Metrics::Queue(std::string_view lane, double seconds) {

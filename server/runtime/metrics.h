@@ -48,6 +48,8 @@ class Metrics {
 
   // An RPC has ended: Rpc("Deform", "OK", 0.001).
   void Rpc(std::string_view method, std::string_view code, double seconds);
+  // A call that lasted, a stream or a track, has ended.
+  void Stream(std::string_view method, std::string_view code, double seconds);
   // A job waited for a worker of `lane` ("interactive", "jobs").
   void Queue(std::string_view lane, double seconds);
   // Work was done; queueing is not part of it.

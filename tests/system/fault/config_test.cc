@@ -130,6 +130,50 @@ TEST_F(ConfigTest, PasswordsAreNotShown) {
   EXPECT_EQ(config::Redacted("sqlite:/var/lib/a@b"), "sqlite:/var/lib/a@b");
 }
 
+TEST_F(ConfigTest, PasswordOfRedisIsReadFromItsFile) {
+  const std::string file = Put("password", "w0rd\n");
+  const auto store = [&](const std::string& url) {
+    const auto read = config::Read({"--store", url, "--redis-password-file", file}, {});
+    return read ? read->config.host.store.store : read.error().message;
+  };
+  EXPECT_EQ(store("redis://host:1/2"), "redis://:w0rd@host:1/2");
+  EXPECT_EQ(store("redis://user@host"), "redis://user:w0rd@host");
+  EXPECT_THAT(store("redis://:other@host"), HasSubstr("a password too"));
+  EXPECT_THAT(store("memory"), HasSubstr("--redis-password-file"));
+}
+
+TEST_F(ConfigTest, PasswordsAreNotLeftInTheCommandLine) {
+  ServerProcess server({"--blob-dir", "redis://user:w0rd@host"});
+  ASSERT_TRUE(server.Start());
+  std::ostringstream line;
+  line << std::ifstream("/proc/" + std::to_string(server.pid()) + "/cmdline").rdbuf();
+  EXPECT_THAT(line.str(), HasSubstr("redis://user:***@host"));
+  EXPECT_THAT(line.str(), Not(HasSubstr("w0rd")));
+}
+
+TEST_F(ConfigTest, WhatIsMadeIsForItsUserAlone) {
+  ServerProcess server({"--store", "sqlite:{}/state", "--log-file", "{}/log"}, "unix:{}/socket");
+  ASSERT_TRUE(server.Start());
+  const std::string& folder = server.folder().path();
+  int files = 0;
+  for (const auto& file : std::filesystem::recursive_directory_iterator(folder)) {
+    if (file.path().filename() == "stderr") continue;
+    const auto mode = file.status().permissions() & std::filesystem::perms(0077);
+    EXPECT_EQ(mode, std::filesystem::perms::none) << file.path();
+    ++files;
+  }
+  EXPECT_GT(files, 3);
+}
+
+TEST_F(ConfigTest, FolderThatAnybodyMayWriteIntoIsRefused) {
+  const std::string state = folder_ / "state";
+  std::filesystem::create_directory(state);
+  std::filesystem::permissions(state, std::filesystem::perms(0777));
+  EXPECT_THAT(Run({"--check-config", "--store", "sqlite:" + state}).text, HasSubstr("o-w"));
+  ServerProcess server({"--store", "sqlite:" + state});
+  EXPECT_EQ(server.StartAndFail(), 1);
+}
+
 TEST_F(ConfigTest, CheckSaysGood) {
   const Said good = Run({"--check-config", "--listen", "127.0.0.1:0", "--store",
                          "sqlite:" + folder_ / "state", "--log-file", folder_ / "log"});

@@ -49,7 +49,7 @@ TEST(Logs, AccessLogHasOneLinePerRpc) {
   ASSERT_EQ(lines.size(), 6u) << Slurp(server.folder() / "access");
   const std::regex form(
       R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}[+-]\d\d:\d\d rpc=\w+ owner=[\w.-]+ session=\S+ )"
-      R"(code=[A-Z_]+ ms=\d+\.\d{3}( reason=[A-Z_]+)?)");
+      R"(code=[A-Z_]+ ms=\d+\.\d{3}( reason=[A-Z_]+)? request=[0-9a-f]{16})");
   for (const std::string& line : lines) EXPECT_TRUE(std::regex_match(line, form)) << line;
   EXPECT_THAT(lines[0], HasSubstr("rpc=CreateSession owner=anonymous session=s code=OK"));
   EXPECT_THAT(lines[3], HasSubstr("rpc=Deform owner=anonymous session=s code=OK"));

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <sys/types.h>
@@ -72,6 +73,9 @@ class ServerProcess : public ChildProcess {
   // the folder.
   explicit ServerProcess(std::vector<std::string> flags = {}, std::string listen = "127.0.0.1:0");
 
+  // Starts it with this command in front: "prlimit --nofile=200".
+  void Under(std::vector<std::string> command) { command_ = std::move(command); }
+
   // Starts it and waits until it listens: false with a failure of the test, and the server's log in
   // it, when it does not within half a minute.
   bool Start();
@@ -87,6 +91,7 @@ class ServerProcess : public ChildProcess {
   std::vector<std::string> Words() const;
 
   TempFolder folder_;
+  std::vector<std::string> command_;
   std::vector<std::string> flags_;
   std::string listen_;
   std::string address_;

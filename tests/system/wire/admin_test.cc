@@ -154,6 +154,16 @@ TEST_F(AdminTest, DashboardAsksForWhatIsServed) {
   EXPECT_GT(queries, 10);
 }
 
+TEST_F(AdminTest, AlertsAskForWhatIsServed) {
+  std::ostringstream rules;
+  rules << std::ifstream(ARAP_ALERTS).rdbuf();
+  UseEverything();
+  const std::set<std::string> served = NamesIn(Get("/metrics").body);
+  const std::set<std::string> asked = NamesIn(rules.str());
+  EXPECT_GT(asked.size(), 5u);
+  for (const std::string& name : asked) EXPECT_EQ(served.count(name), 1u) << name;
+}
+
 TEST_F(AdminTest, StuckLaneIsNotReadyUntilItMoves) {
   options().stuck_after = std::chrono::milliseconds(20);
   options().lanes.workers = 1;
@@ -205,12 +215,9 @@ TEST_F(AdminTest, DrainingServerIsNotReadyButServes) {
 
 TEST_F(AdminTest, AddressesAreChecked) {
   for (const char* bad : {"", "localhost", ":1", "127.0.0.1:", "127.0.0.1:99999", "127.0.0.1:a"}) {
-    EXPECT_FALSE(host::ParseAdminAddress(bad)) << bad;
+    EXPECT_FALSE(host::CheckAddress(bad, host::kForOperators)) << bad;
   }
-  const auto six = host::ParseAdminAddress("[::1]:9464");
-  ASSERT_TRUE(six);
-  EXPECT_EQ(six->host, "::1");
-  EXPECT_EQ(six->port, 9464);
+  EXPECT_TRUE(host::CheckAddress("[::1]:9464", host::kForOperators));
   const auto taken = host::AdminHttp::Start(host().admin_address(), {});
   ASSERT_FALSE(taken);
   EXPECT_THAT(taken.error().message, HasSubstr(host().admin_address()));

@@ -7,9 +7,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "server/host/listen.h"
 #include "server/engine.h"
-#include "tests/support/await.h"
+#include "server/host/listen.h"
 #include "tests/support/bounded.h"
 #include "tests/system/wire/wire_fixture.h"
 
@@ -162,9 +161,9 @@ TEST_F(LifecycleTest, TakenPortIsAnError) {
 
 TEST_F(LifecycleTest, BadAddressesAreErrors) {
   for (const char* bad : {"", "localhost", ":1", "127.0.0.1:", "127.0.0.1:99999", "127.0.0.1:a"}) {
-    EXPECT_FALSE(host::PrepareAddress(bad)) << bad;
+    EXPECT_FALSE(host::CheckAddress(bad, host::kForCalls)) << bad;
   }
-  EXPECT_FALSE(host::PrepareAddress("unix:" + std::string(200, 'x')));
+  EXPECT_FALSE(host::CheckAddress("unix:" + std::string(200, 'x'), host::kForCalls));
 }
 
 class UnixSocketTest : public WireTest {

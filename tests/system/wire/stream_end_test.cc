@@ -63,5 +63,16 @@ TEST_F(StreamTest, CancelledStreamIsForgotten) {
   EXPECT_TRUE(Deform("s", "h", Moved(0)).ok());
 }
 
+TEST_F(WireTest, OldConnectionsAskTheirStreamsToMove) {
+  options().connections.most_age = std::chrono::seconds(100);
+  SetUpCorners();
+  DeformStream stream(deformation());
+  stream.Opened("s", "h", v1::DELIVERY_LATEST);
+  clock().Advance(std::chrono::seconds(112));
+  EXPECT_FALSE(stream.Read().has_value());
+  const WireError moved = ExpectError(stream.Finish(), grpc::UNAVAILABLE, "DRAINING");
+  EXPECT_EQ(moved.metadata.at("resume"), "open_again");
+}
+
 }  // namespace
 }  // namespace arap::wire

@@ -1,0 +1,272 @@
+#include "server/rpc/connections.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <vector>
+
+#include <arpa/inet.h>
+#include <linux/tcp.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "server/budget/faults.h"
+
+namespace arap::rpc {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kCalm{1'000};
+constexpr milliseconds kBusy{20};
+
+// 0 for what is no socket.
+std::uint64_t CookieOf(int descriptor) {
+  std::uint64_t cookie = 0;
+  socklen_t size = sizeof cookie;
+  return getsockopt(descriptor, SOL_SOCKET, SO_COOKIE, &cookie, &size) == 0 ? cookie : 0;
+}
+
+// All that has come in on a TCP connection.
+std::uint64_t BytesOf(int descriptor) {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  return getsockopt(descriptor, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 ? info.tcpi_bytes_received
+                                                                          : 0;
+}
+
+// Shuts the socket of that cookie down. The descriptor may be another's by now, so a copy, which
+// nobody else closes, is looked at.
+void ShutDown(int descriptor, std::uint64_t cookie) {
+  const int copy = dup(descriptor);
+  if (copy < 0) return;
+  if (CookieOf(copy) == cookie) shutdown(copy, SHUT_RDWR);
+  close(copy);
+}
+
+// An IPv4 address that came in on a socket of both families is one.
+std::uint32_t MappedIPv4(const in6_addr& address) {
+  std::uint32_t four = 0;
+  if (IN6_IS_ADDR_V4MAPPED(&address)) std::memcpy(&four, &address.s6_addr[12], sizeof four);
+  return four;
+}
+
+std::string Text(int family, const void* address) {
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  inet_ntop(family, address, text.data(), text.size());
+  return text.data();
+}
+
+Fault TooOld() {
+  return Fault(FaultKind::kDraining,
+               "This connection has reached its age; open again on a new one.")
+      .Detail("resume", "open_again");
+}
+
+}  // namespace
+
+std::string PeerName(const sockaddr_storage& peer) {
+  if (peer.ss_family == AF_INET) {
+    const auto& four = reinterpret_cast<const sockaddr_in&>(peer);
+    return "ipv4:" + Text(AF_INET, &four.sin_addr) + ":" + std::to_string(ntohs(four.sin_port));
+  }
+  if (peer.ss_family != AF_INET6) return {};
+  const auto& six = reinterpret_cast<const sockaddr_in6&>(peer);
+  const std::string port = ":" + std::to_string(ntohs(six.sin6_port));
+  if (const std::uint32_t four = MappedIPv4(six.sin6_addr); four != 0) {
+    return "ipv4:" + Text(AF_INET, &four) + port;
+  }
+  return "ipv6:%5B" + Text(AF_INET6, &six.sin6_addr) + "%5D" + port;
+}
+
+std::string AddressOf(const sockaddr_storage& peer) {
+  if (peer.ss_family == AF_INET) {
+    return Text(AF_INET, &reinterpret_cast<const sockaddr_in&>(peer).sin_addr);
+  }
+  if (peer.ss_family != AF_INET6) return {};
+  in6_addr network = reinterpret_cast<const sockaddr_in6&>(peer).sin6_addr;
+  if (const std::uint32_t four = MappedIPv4(network); four != 0) return Text(AF_INET, &four);
+  // A network of 64 bits is what one customer has.
+  std::fill(std::begin(network.s6_addr) + 8, std::end(network.s6_addr), std::uint8_t{0});
+  return Text(AF_INET6, &network);
+}
+
+Connections::Answer Connections::Admit(int descriptor, const sockaddr_storage& peer) {
+  const MutexLock lock(&mutex_);
+  Connection connection{descriptor, CookieOf(descriptor), AddressOf(peer), clock_.SteadyNow()};
+  if (IsFull() || IsFull(connection.address)) ForgetClosed();
+  if (IsFull(connection.address) && !MakeRoom(connection.address)) return Answer::kAddressFull;
+  if (IsFull() && !MakeRoom({})) return Answer::kFull;
+  // Peers of unix sockets have no names.
+  const std::string name =
+      connection.address.empty() ? "unix:" + std::to_string(connection.cookie) : PeerName(peer);
+  connection.known = connection.address.empty();
+  if (const auto old = connections_.find(name); old != connections_.end()) Forget(old);
+  ++by_address_[connection.address];
+  connections_.emplace(name, std::move(connection));
+  return Answer::kWelcome;
+}
+
+void Connections::Known(std::string_view peer) {
+  const MutexLock lock(&mutex_);
+  if (const auto found = connections_.find(peer); found != connections_.end()) {
+    found->second.known = true;
+  }
+}
+
+Result<Connections::Entry> Connections::Receive(std::string_view peer, Told late) {
+  const MutexLock lock(&mutex_);
+  if (receiving_ >= bounds_.most_receiving) return Fail(app::Overloaded());
+  ++receiving_;
+  if (const auto found = connections_.find(peer); found != connections_.end()) {
+    Connection& connection = found->second;
+    if (connection.receiving++ == 0) {
+      connection.bytes_before = BytesOf(connection.descriptor);
+      connection.bytes_complete = 0;
+    }
+  }
+  const auto end = clock_.SteadyNow() + bounds_.receiving_time;
+  watched_.emplace(next_id_, Watched{std::string(peer), end, true, std::move(late)});
+  return Entry(this, next_id_++);
+}
+
+Connections::Entry Connections::WatchAge(std::string_view peer, Told old) {
+  if (bounds_.most_age.count() <= 0) return {};
+  const MutexLock lock(&mutex_);
+  const auto found = connections_.find(peer);
+  if (found == connections_.end()) return {};
+  // By then gRPC, which varies the age by a tenth, has told the client to take another connection.
+  const auto end = found->second.since + bounds_.most_age * 11 / 10 + kCalm;
+  watched_.emplace(next_id_, Watched{std::string(peer), end, false, std::move(old)});
+  return Entry(this, next_id_++);
+}
+
+void Connections::Remove(std::uint64_t id, std::size_t bytes) {
+  const MutexLock lock(&mutex_);
+  const auto found = watched_.find(id);
+  if (found == watched_.end()) return;
+  EndReceiving(found->second, bytes);
+  watched_.erase(found);
+}
+
+void Connections::EndReceiving(const Watched& watched, std::size_t bytes) {
+  if (!watched.receiving) return;
+  --receiving_;
+  const auto found = connections_.find(watched.peer);
+  if (found == connections_.end() || found->second.receiving == 0) return;
+  --found->second.receiving;
+  found->second.bytes_complete += bytes;
+}
+
+Connections::Table::iterator Connections::Forget(Table::iterator connection) {
+  const auto counted = by_address_.find(connection->second.address);
+  if (counted != by_address_.end() && --counted->second == 0) by_address_.erase(counted);
+  return connections_.erase(connection);
+}
+
+Connections::Table::iterator Connections::Cut(Table::iterator connection) {
+  ShutDown(connection->second.descriptor, connection->second.cookie);
+  ++cut_;
+  return Forget(connection);
+}
+
+void Connections::ForgetClosed() {
+  // Asking for each costs the kernel's time, which is not to be had a thousand times a second.
+  const auto now = std::chrono::steady_clock::now();
+  if (now - looked_ < kBusy / 2) return;
+  looked_ = now;
+  for (auto at = connections_.begin(); at != connections_.end();) {
+    const bool open = CookieOf(at->second.descriptor) == at->second.cookie;
+    at = open ? std::next(at) : Forget(at);
+  }
+}
+
+bool Connections::MakeRoom(const std::string& address) {
+  auto oldest = connections_.end();
+  for (auto at = connections_.begin(); at != connections_.end(); ++at) {
+    if (at->second.known || (!address.empty() && at->second.address != address)) continue;
+    if (oldest == connections_.end() || at->second.since < oldest->second.since) oldest = at;
+  }
+  if (oldest == connections_.end()) return false;
+  Cut(oldest);
+  return true;
+}
+
+bool Connections::IsFull() const { return connections_.size() >= bounds_.most; }
+
+bool Connections::IsFull(const std::string& address) const {
+  if (address.empty()) return false;
+  const auto found = by_address_.find(address);
+  return found != by_address_.end() && found->second >= bounds_.most_per_address;
+}
+
+void Connections::CutGreedy() {
+  struct Holder {
+    std::uint64_t bytes;
+    Table::iterator connection;
+  };
+  std::vector<Holder> holders;
+  std::uint64_t all = 0;
+  for (auto at = connections_.begin(); at != connections_.end(); ++at) {
+    const Connection& connection = at->second;
+    if (connection.receiving == 0) continue;
+    const std::uint64_t before = connection.bytes_before + connection.bytes_complete;
+    const std::uint64_t now = BytesOf(connection.descriptor);
+    holders.push_back({now > before ? now - before : 0, at});
+    all += holders.back().bytes;
+  }
+  std::sort(holders.begin(), holders.end(),
+            [](const Holder& a, const Holder& b) { return a.bytes > b.bytes; });
+  for (const Holder& holder : holders) {
+    const bool unknown = !holder.connection->second.known;
+    const bool greedy = all > bounds_.receiving_bytes;
+    if (!greedy && !(unknown && holder.bytes > bounds_.unknown_bytes)) continue;
+    all -= holder.bytes;
+    Cut(holder.connection);
+  }
+}
+
+void Connections::Sweep() {
+  std::vector<std::pair<Told, bool>> due;
+  {
+    const MutexLock lock(&mutex_);
+    const auto now = clock_.SteadyNow();
+    ForgetClosed();
+    for (auto at = connections_.begin(); at != connections_.end();) {
+      const bool silent = !at->second.known && now - at->second.since > bounds_.unknown_time;
+      at = silent ? Cut(at) : std::next(at);
+    }
+    CutGreedy();
+    for (auto at = watched_.begin(); at != watched_.end();) {
+      if (at->second.end > now) {
+        ++at;
+        continue;
+      }
+      due.emplace_back(std::move(at->second.told), at->second.receiving);
+      EndReceiving(at->second, 0);
+      at = watched_.erase(at);
+    }
+  }
+  for (const auto& [told, receiving] : due) {
+    told(receiving ? Fault(FaultKind::kDeadlineExceeded, "The request took too long to arrive.")
+                   : TooOld());
+  }
+}
+
+milliseconds Connections::Pause() const {
+  const MutexLock lock(&mutex_);
+  return receiving_ > 0 ? kBusy : kCalm;
+}
+
+std::size_t Connections::count() const {
+  const MutexLock lock(&mutex_);
+  return connections_.size();
+}
+
+std::uint64_t Connections::cut() const {
+  const MutexLock lock(&mutex_);
+  return cut_;
+}
+
+}  // namespace arap::rpc

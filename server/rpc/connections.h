@@ -1,0 +1,151 @@
+// Connections: who is connected, how many there may be, and which of them may be let go.
+//
+// gRPC owns the sockets. What it does not say, when one is over and how much has come in on it, the
+// kernel is asked for: a connection is over when its descriptor no longer is that socket.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "arap/base/result.h"
+#include "core/base/mutex.h"
+#include "server/runtime/clock.h"
+
+struct sockaddr_storage;
+
+namespace arap::rpc {
+
+struct ConnectionBounds {
+  std::size_t most = 4'000;              // at once
+  std::size_t most_per_address = 1'000;  // of one IPv4 address or one IPv6 network of 64 bits
+  // What a connection may do before a call on it was let in: live for so long, and send so much.
+  std::chrono::milliseconds unknown_time = std::chrono::seconds(60);
+  std::size_t unknown_bytes = 1u << 20u;
+  // Requests that have begun to come in and are not complete: how many, how many bytes of them all,
+  // and how long each may take.
+  std::size_t most_receiving = 1'024;
+  std::size_t receiving_bytes = std::size_t{512} << 20u;
+  std::chrono::milliseconds receiving_time = std::chrono::seconds(60);
+  // After this much, and a tenth, streams are asked to move to a new connection; 0: never.
+  std::chrono::milliseconds most_age{0};
+};
+
+// Thread-safe. Unix sockets are counted, and nothing else is known of theirs: the file system has
+// said who may use them.
+class Connections {
+ public:
+  using Told = std::function<void(Fault)>;
+
+  // `clock` outlives it.
+  Connections(const ConnectionBounds& bounds, const runtime::Clock& clock)
+      : bounds_(bounds), clock_(clock) {}
+
+  enum class Answer { kWelcome, kFull, kAddressFull };
+  // Whether the new connection may come in. Where there are too many, the oldest on which nobody
+  // was let in yet makes room.
+  Answer Admit(int descriptor, const sockaddr_storage& peer);
+
+  // A call on the connection of this peer, as gRPC names it ("ipv4:10.0.0.1:5555"), was let in.
+  void Known(std::string_view peer);
+
+  // Ends what it began when it goes. An empty one is nothing. Move-only.
+  class Entry {
+   public:
+    Entry() = default;
+    Entry(Entry&& other) noexcept { *this = std::move(other); }
+    Entry& operator=(Entry&& other) noexcept {
+      std::swap(owner_, other.owner_);
+      std::swap(id_, other.id_);
+      return *this;
+    }
+    ~Entry() {
+      if (owner_ != nullptr) owner_->Remove(id_, 0);
+    }
+    // The request is here, with so many bytes.
+    void Received(std::size_t bytes) {
+      if (owner_ != nullptr) std::exchange(owner_, nullptr)->Remove(id_, bytes);
+    }
+
+   private:
+    friend class Connections;
+    Entry(Connections* owner, std::uint64_t id) : owner_(owner), id_(id) {}
+    Connections* owner_ = nullptr;
+    std::uint64_t id_ = 0;
+  };
+
+  // A request begins to come in. `late` runs at most once, in the thread that sweeps, when it took
+  // too long; let it hold what it touches. kOverloaded when too many do so.
+  Result<Entry> Receive(std::string_view peer, Told late);
+  // A call that lasts: `old` runs at most once, likewise, with kDraining, when the connection has
+  // reached its age.
+  Entry WatchAge(std::string_view peer, Told old);
+
+  // Forgets connections that are over, cuts those that break the bounds, tells who is late or old.
+  // To be called every Pause().
+  void Sweep();
+  // Short while requests come in.
+  std::chrono::milliseconds Pause() const;
+
+  std::size_t count() const;
+  // How many were cut to make room or because they broke a bound.
+  std::uint64_t cut() const;
+
+ private:
+  struct Connection {
+    int descriptor = -1;
+    std::uint64_t cookie = 0;  // the kernel's name of the socket
+    std::string address;       // what is counted by; empty: a unix socket
+    runtime::Clock::Steady since;
+    bool known = false;
+    // Of the requests that come in now: how many, the bytes of the socket when the first of them
+    // began, and the bytes of those that are complete.
+    std::size_t receiving = 0;
+    std::uint64_t bytes_before = 0;
+    std::uint64_t bytes_complete = 0;
+  };
+  using Table = std::map<std::string, Connection, std::less<>>;  // by peer
+  struct Watched {
+    std::string peer;
+    runtime::Clock::Steady end;
+    bool receiving = false;
+    Told told;
+  };
+
+  void Remove(std::uint64_t id, std::size_t bytes);
+  void EndReceiving(const Watched& watched, std::size_t bytes)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  Table::iterator Forget(Table::iterator connection) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Ends the connection and forgets it.
+  Table::iterator Cut(Table::iterator connection) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void ForgetClosed() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Cuts the oldest unknown one, of the address unless it is empty: whether there was one.
+  bool MakeRoom(const std::string& address) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Cuts what holds too much of requests that are not complete.
+  void CutGreedy() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool IsFull() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool IsFull(const std::string& address) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  const ConnectionBounds bounds_;
+  const runtime::Clock& clock_;
+  mutable Mutex mutex_;
+  Table connections_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, std::size_t> by_address_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::uint64_t, Watched> watched_ ABSL_GUARDED_BY(mutex_);
+  std::size_t receiving_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::uint64_t next_id_ ABSL_GUARDED_BY(mutex_) = 1;
+  std::uint64_t cut_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::chrono::steady_clock::time_point looked_ ABSL_GUARDED_BY(mutex_);
+};
+
+// gRPC's name of a peer, and what the connections of one address are counted by: nothing for a unix
+// socket.
+std::string PeerName(const sockaddr_storage& peer);
+std::string AddressOf(const sockaddr_storage& peer);
+
+}  // namespace arap::rpc
