@@ -94,12 +94,11 @@ TEST(WorkerPoolTest, OwnersTakeTurns) {
 TEST(WorkerPoolTest, ShortJobsHaveAPlaceOfTheirOwn) {
   PoolOptions options{"jobs", 1, 10};
   options.short_seconds = 0.05;
+  std::promise<void> open, done;  // both outlive the pool, which runs jobs until it is destroyed
   WorkerPool pool(options);
   EXPECT_EQ(pool.threads(), 2u);
-  std::promise<void> open;
   const auto wait = [&open] { EXPECT_EQ(open.get_future().wait_for(kPatience), kReady); };
   EXPECT_TRUE(pool.TryPost(wait, {"ann", 0, 60}));
-  std::promise<void> done;
   EXPECT_TRUE(pool.TryPost([] {}, {"ann", 0, 60})) << "waits";
   EXPECT_TRUE(pool.TryPost([&done] { done.set_value(); }, {"ann", 0, 0.01}));
   EXPECT_EQ(done.get_future().wait_for(kPatience), kReady) << "the short one waits for the long";
