@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "core/drawing/front_view.h"
-#include "core/drawing/mesh_lines.h"
 #include "core/drawing/strain.h"
 #include "core/drawing/svg.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "arap/model/mesh.h"
-#include "core/drawing/mesh_lines.h"
+#include "core/drawing/svg.h"
 
 namespace arap {
 

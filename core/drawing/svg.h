@@ -1,15 +1,26 @@
-// What every SVG here is made of: the place of the plane in the picture, paths, text, the frame.
+// What every SVG here is made of: a mesh as a few long lines, the place of the plane in the picture,
+// paths, text, the frame.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "arap/model/mesh.h"
-#include "core/drawing/mesh_lines.h"
 #include "core/drawing/outline.h"
 
 namespace arap {
+
+// Vertex indices along each line: few long ones keep the picture small, and the same lines serve
+// every frame of an animation.
+using Lines = std::vector<std::vector<std::uint32_t>>;
+
+// The closed boundary curves; a curve does not repeat its first vertex.
+Lines BoundaryLines(std::span<const Triangle> triangles);
+// Open lines that together draw every edge inside the mesh once.
+Lines InnerLines(std::span<const Triangle> triangles);
 
 // Maps the plane (y up) to whole picture units (y down).
 class View {

@@ -1,6 +1,7 @@
-// Triangle meshes in files: OBJ and OFF, by the ending of the name.
+// Triangle meshes in files: Wavefront OBJ (.obj) and OFF (.off).
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "arap/base/result.h"
@@ -8,10 +9,25 @@
 
 namespace arap {
 
-// Faults name the file: kNotFound (it cannot be opened) or kInvalidOption (unknown ending, or what
-// obj.h and off.h refuse).
+// The format is that of the name's ending. Faults name the file: kNotFound (it cannot be opened) or
+// kInvalidOption (another ending, or what the parsers refuse).
 Result<SurfaceMesh> ReadSurfaceMesh(const std::string& path);
 // The same for a mesh in the plane: all z must be equal, and are dropped.
 Result<PlanarMesh> ReadPlanarMesh(const std::string& path);
+
+// The texts of such files. Vertices keep their order, also those that no triangle uses; texture
+// coordinates and normals are passed over. kInvalidOption when the text is not in the format, a
+// face is no triangle or an index is not there.
+Result<SurfaceMesh> ParseObj(std::string text);
+Result<SurfaceMesh> ParseOff(std::string text);
+
+// The text of an OBJ file. Numbers are the shortest that read back exactly; z is 0 for a mesh of
+// the plane.
+std::string FormatObj(const PlanarMesh& mesh);
+std::string FormatObj(const SurfaceMesh& mesh);
+// With a layout: a vt for each flat position in `uv` (#U), and `corner_uv` (#F) says which of them
+// each corner has.
+std::string FormatObj(const SurfaceMesh& mesh, std::span<const Complex> uv,
+                      std::span<const Triangle> corner_uv);
 
 }  // namespace arap

@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "client/cli/sample/grid.h"
-#include "core/files/obj.h"
+#include "client/cli/sample/planar.h"
+#include "core/files/mesh_file.h"
 #include "core/files/track.h"
 #include "tests/cli/run.h"
 

@@ -6,9 +6,8 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "client/cli/sample/grid.h"
+#include "client/cli/sample/planar.h"
 #include "core/files/mesh_file.h"
-#include "core/files/obj.h"
 #include "tests/cli/run.h"
 
 namespace arap::cli {

@@ -7,10 +7,9 @@
 
 #include <gmock/gmock.h>
 
-#include "client/cli/sample/grid.h"
+#include "client/cli/sample/planar.h"
 #include "core/drawing/outline.h"
 #include "core/files/mesh_file.h"
-#include "core/files/obj.h"
 #include "core/files/track.h"
 #include "tests/cli/run.h"
 #include "tests/support/compare.h"

@@ -8,12 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include "client/cli/sample/character.h"
 #include "client/cli/sample/field.h"
-#include "client/cli/sample/grid.h"
+#include "client/cli/sample/planar.h"
 #include "client/cli/sample/surfaces.h"
-#include "core/drawing/mesh_lines.h"
-#include "core/files/obj.h"
+#include "core/drawing/svg.h"
+#include "core/files/mesh_file.h"
 
 namespace arap::cli {
 namespace {

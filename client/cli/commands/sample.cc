@@ -8,11 +8,10 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/report.h"
-#include "client/cli/sample/character.h"
-#include "client/cli/sample/grid.h"
+#include "client/cli/sample/planar.h"
 #include "client/cli/sample/surfaces.h"
 #include "core/base/try.h"
-#include "core/files/obj.h"
+#include "core/files/mesh_file.h"
 #include "core/files/text_file.h"
 
 namespace arap::cli {

@@ -1,17 +1,15 @@
-// Points of the plane, and shapes as signed distance fields: negative inside, about the distance
-// near the outline.
+// Shapes of the plane as signed distance fields (negative inside, about the distance near the
+// outline), and their triangles.
 #pragma once
 
 #include <cmath>
-#include <complex>
 #include <functional>
+
+#include "arap/model/mesh.h"
 
 namespace arap::cli {
 
-using Point = std::complex<double>;
-
-// a × b: twice the signed area of the triangle 0, a, b.
-inline double Cross(Point a, Point b) { return a.real() * b.imag() - a.imag() * b.real(); }
+using Point = Complex;
 
 // Written coordinates have six decimals. Rounding here makes the mesh in memory the one in the
 // file, and adding 0 turns -0 into 0.
@@ -31,9 +29,9 @@ double Ellipse(Point p, Point center, double radius_x, double radius_y);
 // The union of two fields with its inner corners rounded over about `blend`.
 double SmoothUnion(double a, double b, double blend);
 
-// By central differences over `step`.
-Point Gradient(const Field& field, Point p, double step);
-// Moves `p` along the gradient to the outline.
-Point Project(const Field& field, Point p, double step);
+// Well-shaped counter-clockwise triangles inside a field with edges about `edge` long, without loose
+// vertices; the vertices of the outline come first. `start` is a point near the outline, which has
+// to be smooth over that length.
+PlanarMesh MeshField(const Field& field, Point start, double edge);
 
 }  // namespace arap::cli

@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "client/cli/sample/field.h"
-#include "client/cli/sample/mesher.h"
 
 namespace arap::cli {
 namespace {

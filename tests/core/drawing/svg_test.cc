@@ -7,7 +7,6 @@
 
 #include <gmock/gmock.h>
 
-#include "core/drawing/mesh_lines.h"
 #include "core/drawing/outline.h"
 #include "core/drawing/strain.h"
 

@@ -2,8 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include "core/files/obj.h"
-#include "core/files/off.h"
 #include "tests/support/folder.h"
 
 namespace arap {

@@ -1,16 +1,44 @@
-#include "client/cli/sample/character.h"
+#include "client/cli/sample/planar.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numbers>
+#include <string>
 
 #include "client/cli/sample/field.h"
-#include "client/cli/sample/mesher.h"
-#include "client/cli/sample/place_handle.h"
+#include "core/base/plane.h"
 
 namespace arap::cli {
 namespace {
+
+// Adds a handle that holds `mesh` at `rest`, a point inside it.
+void AddHandle(const PlanarMesh& mesh, const std::string& name, Point rest, Track& track) {
+  // The triangle in which the point lies deepest; the smallest weight says how deep.
+  TriangleAnchor best;
+  double depth = -std::numeric_limits<double>::infinity();
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto corner = [&](std::size_t k) { return mesh.vertices[mesh.triangles[t][k]]; };
+    const Point a = corner(0), b = corner(1), c = corner(2);
+    const double area = Cross(b - a, c - a);
+    const std::array<double, 3> weights{Cross(b - rest, c - rest) / area,
+                                        Cross(c - rest, a - rest) / area,
+                                        Cross(a - rest, b - rest) / area};
+    const double smallest = *std::min_element(weights.begin(), weights.end());
+    if (smallest > depth) {
+      depth = smallest;
+      best = {static_cast<std::uint32_t>(t), weights};
+    }
+  }
+  TrackHandle& added = track.handles.emplace_back();
+  added.handle.id = name;
+  added.handle.anchor = best;
+  added.rest = rest;
+}
+
+// The bear.
 
 // Mirrors the left half: p and its mirror image see the same field.
 template <class Part>
@@ -104,6 +132,56 @@ Track MakeCharacterTrack(const PlanarMesh& mesh) {
     for (const Joint& joint : kJoints) {
       frame.targets.push_back(
           {.position = Rounded(joint.at(joint.rest, static_cast<double>(i) / kFrames))});
+    }
+  }
+  return track;
+}
+
+PlanarMesh MakeGrid(std::size_t columns, std::size_t rows) {
+  PlanarMesh mesh;
+  for (std::size_t y = 0; y < rows; ++y) {
+    for (std::size_t x = 0; x < columns; ++x) {
+      mesh.vertices.emplace_back(static_cast<double>(x), static_cast<double>(y));
+    }
+  }
+  for (std::size_t y = 0; y + 1 < rows; ++y) {
+    for (std::size_t x = 0; x + 1 < columns; ++x) {
+      const auto a = static_cast<std::uint32_t>(y * columns + x);
+      const std::uint32_t b = a + 1;
+      const auto d = static_cast<std::uint32_t>(a + columns);
+      const std::uint32_t c = d + 1;
+      if ((x + y) % 2 == 0) {
+        mesh.triangles.insert(mesh.triangles.end(), {{a, b, c}, {a, c, d}});
+      } else {
+        mesh.triangles.insert(mesh.triangles.end(), {{a, b, d}, {b, c, d}});
+      }
+    }
+  }
+  return mesh;
+}
+
+Track MakeGridTrack(const PlanarMesh& mesh, std::size_t columns, std::size_t rows) {
+  constexpr int kFrames = 60;
+  constexpr double kLargestAngle = std::numbers::pi / 2;
+  const double width = static_cast<double>(columns - 1);
+  const double height = static_cast<double>(rows - 1);
+  const Point middle(width / 2, height / 2);
+  const std::array<Point, 4> corners{Point(width / 8, height / 8), Point(width * 7 / 8, height / 8),
+                                     Point(width * 7 / 8, height * 7 / 8),
+                                     Point(width / 8, height * 7 / 8)};
+  Track track;
+  constexpr std::array<const char*, 4> kNames{"lower_left", "lower_right", "upper_right",
+                                              "upper_left"};
+  for (std::size_t k = 0; k < corners.size(); ++k) AddHandle(mesh, kNames[k], corners[k], track);
+  for (int i = 0; i < kFrames; ++i) {
+    const double s = std::sin(std::numbers::pi * i / kFrames);
+    const Point turn = std::polar(1.0, kLargestAngle * s * s);
+    TrackFrame& frame = track.frames.emplace_back();
+    frame.kind = i == 0 ? "rest" : "turn";
+    for (const Point corner : corners) {
+      const bool right = corner.real() > middle.real();
+      frame.targets.push_back(
+          {.position = right && i > 0 ? Rounded(middle + turn * (corner - middle)) : corner});
     }
   }
   return track;
