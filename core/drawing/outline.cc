@@ -8,6 +8,8 @@
 
 #include <boost/polygon/polygon.hpp>
 
+#include "core/base/plane.h"
+
 namespace arap {
 namespace {
 
@@ -16,9 +18,6 @@ using Region = boost::polygon::polygon_set_data<int>;
 using Piece = boost::polygon::polygon_with_holes_data<int>;
 
 constexpr double kMiterLimit = 2;  // of a corner, in widths
-
-double Dot(Complex a, Complex b) { return (std::conj(a) * b).real(); }
-double Cross(Complex a, Complex b) { return (std::conj(a) * b).imag(); }
 
 // Regions are made of whole numbers, so that uniting them is exact.
 class Canvas {
@@ -34,16 +33,17 @@ class Canvas {
     step_ = std::max(1e-3, (largest + (kMiterLimit + 1) * width) / kRange);
   }
 
-  void Add(const std::vector<Complex>& polygon, bool hole = false) {
+  // Adds one to how often the curve goes round what is on its left, and takes one from what is on
+  // its right.
+  void Add(const std::vector<Complex>& curve) {
     std::vector<IntegerPoint> points;
-    for (const Complex p : polygon) {
+    for (const Complex p : curve) {
       const IntegerPoint point(static_cast<int>(std::lround(p.real() / step_)),
                                static_cast<int>(std::lround(p.imag() / step_)));
       if (points.empty() || points.back() != point) points.push_back(point);
     }
-    boost::polygon::polygon_data<int> data;
-    data.set(points.begin(), points.end());
-    region_.insert(data, hole);
+    region_.insert_vertex_sequence(points.begin(), points.end(), boost::polygon::COUNTERCLOCKWISE,
+                                   /*is_hole=*/false);
   }
 
   std::vector<Ring> Borders() const {
@@ -92,30 +92,88 @@ std::vector<Complex> PointsOf(const Ring& ring) {
   return points;
 }
 
-double SignedArea(const std::vector<Complex>& points) {
-  double twice = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    twice += Cross(points[i] - points[0], points[(i + 1) % points.size()] - points[0]);
-  }
-  return twice / 2;
-}
-
-// The outside of the corner at `at`, between edges along the unit vectors `in` and `out`.
-std::vector<Complex> Corner(Complex at, Complex in, Complex out, double width) {
+// Goes round the outside of the corner at `at`, between edges along the unit vectors `in` and `out`.
+void AppendCorner(Complex at, Complex in, Complex out, double width, std::vector<Complex>& curve) {
   const Complex right(0, -1);
   const Complex first = in * right, second = out * right;
-  std::vector<Complex> corner{at, at + width * first};
+  curve.push_back(at + width * first);
   const double cosine = std::sqrt(std::max(0.0, (1 + Dot(first, second)) / 2));  // of half the turn
   if (kMiterLimit * cosine >= 1) {
-    corner.push_back(at + width / (2 * cosine * cosine) * (first + second));
+    curve.push_back(at + width / (2 * cosine * cosine) * (first + second));
   } else {
     const double sine = std::sqrt(1 - cosine * cosine);
     const double along = width * (kMiterLimit - cosine) / sine;
-    corner.push_back(at + width * first + along * in);
-    corner.push_back(at + width * second - along * out);
+    curve.push_back(at + width * first + along * in);
+    curve.push_back(at + width * second - along * out);
   }
-  corner.push_back(at + width * second);
-  return corner;
+  curve.push_back(at + width * second);
+}
+
+// The curve moved to its right. What it goes round at least once is the piece and its allowance;
+// where it bends inwards it comes back to the corner, and those little loops count for nothing.
+std::vector<Complex> Moved(const std::vector<Complex>& curve, double width) {
+  std::vector<Complex> moved;
+  const std::size_t n = curve.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Complex a = curve[i], b = curve[(i + 1) % n], c = curve[(i + 2) % n];
+    const Complex in = (b - a) / std::abs(b - a), out = (c - b) / std::abs(c - b);
+    // A turn straight back is one to the left, whatever rounding makes of it.
+    const bool back = Dot(in, out) < 0 && std::abs(Cross(in, out)) < 1e-9;
+    if (Cross(in, out) > 0 || back) {
+      AppendCorner(b, in, out, width, moved);
+    } else {
+      const Complex right(0, -1);
+      moved.insert(moved.end(), {b + width * in * right, b, b + width * out * right});
+    }
+  }
+  return moved;
+}
+
+// An edge with its extent along the x axis.
+struct Edge {
+  Complex a, b;
+  double low, high;
+
+  Edge(Complex from, Complex to)
+      : a(from), b(to), low(std::min(a.real(), b.real())), high(std::max(a.real(), b.real())) {}
+
+  bool Crosses(const Edge& other) const {
+    const auto parted = [](const Edge& line, const Edge& ends) {
+      const Complex along = line.b - line.a;
+      return Cross(along, ends.a - line.a) * Cross(along, ends.b - line.a) < 0;
+    };
+    return parted(*this, other) && parted(other, *this);
+  }
+};
+
+// Takes from `left` what it costs to unite the curves; false when there is not enough.
+bool Afford(const std::vector<std::vector<Complex>>& curves, std::size_t& left) {
+  constexpr std::size_t kCrossing = 1000;
+  double across = 0, up = 0;
+  for (const auto& curve : curves) {
+    for (std::size_t i = 0; i < curve.size(); ++i) {
+      const Complex along = curve[(i + 1) % curve.size()] - curve[i];
+      across += std::abs(along.real());
+      up += std::abs(along.imag());
+    }
+  }
+  // Along the axis on which the edges are shorter fewer pairs overlap.
+  const Complex turn = across > up ? Complex(0, 1) : 1;
+  std::vector<Edge> edges;
+  for (const auto& curve : curves) {
+    for (std::size_t i = 0; i < curve.size(); ++i) {
+      edges.emplace_back(turn * curve[i], turn * curve[(i + 1) % curve.size()]);
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.low < b.low; });
+  for (auto edge = edges.begin(); edge != edges.end(); ++edge) {
+    for (auto other = edge + 1; other != edges.end() && other->low <= edge->high; ++other) {
+      const std::size_t cost = edge->Crosses(*other) ? kCrossing : 1;
+      if (cost > left) return false;
+      left -= cost;
+    }
+  }
+  return true;
 }
 
 }  // namespace
@@ -137,25 +195,22 @@ void Bounds::Add(std::span<const Complex> points) {
   for (const Complex point : points) Add(point);
 }
 
-std::vector<Ring> OffsetOutwards(const std::vector<Ring>& rings, double width) {
-  Canvas canvas(rings, width);
+Result<std::vector<Ring>> OffsetOutwards(const std::vector<Ring>& rings, double width,
+                                         BorderBudget& budget) {
   std::vector<std::vector<Complex>> curves;
   for (const Ring& ring : rings) {
-    if (std::vector<Complex> points = PointsOf(ring); points.size() > 2) {
-      curves.push_back(std::move(points));
+    if (const std::vector<Complex> points = PointsOf(ring); points.size() > 2) {
+      curves.push_back(Moved(points, width));
     }
   }
-  for (const auto& curve : curves) canvas.Add(curve, /*hole=*/SignedArea(curve) < 0);
-  for (const auto& curve : curves) {
-    const std::size_t n = curve.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      const Complex a = curve[i], b = curve[(i + 1) % n], c = curve[(i + 2) % n];
-      const Complex in = (b - a) / std::abs(b - a), out = (c - b) / std::abs(c - b);
-      const Complex aside = width * in * Complex(0, -1);
-      canvas.Add({a, a + aside, b + aside, b});
-      if (Cross(in, out) > 0 || Dot(in, out) < 0) canvas.Add(Corner(b, in, out, width));
-    }
+  if (!Afford(curves, budget.left)) {
+    return Fail(Fault(FaultKind::kInvalidOption,
+                      "An outline crosses itself too often, or winds too narrowly for the width, "
+                      "to have a seam allowance.")
+                    .Field("allowance"));
   }
+  Canvas canvas(rings, width);
+  for (const auto& curve : curves) canvas.Add(curve);
   return canvas.Borders();
 }
 

@@ -8,6 +8,8 @@
 #include <set>
 #include <utility>
 
+#include "core/base/try.h"
+
 namespace arap {
 namespace {
 
@@ -85,6 +87,17 @@ bool Touch(const Bounds& a, const Bounds& b) {
   return a.min_x < b.max_x && b.min_x < a.max_x && a.min_y < b.max_y && b.min_y < a.max_y;
 }
 
+bool AnyTouch(std::vector<Bounds> boxes) {
+  std::sort(boxes.begin(), boxes.end(),
+            [](const Bounds& a, const Bounds& b) { return a.min_x < b.min_x; });
+  for (auto box = boxes.begin(); box != boxes.end(); ++box) {
+    for (auto next = box + 1; next != boxes.end() && next->min_x < box->max_x; ++next) {
+      if (Touch(*box, *next)) return true;
+    }
+  }
+  return false;
+}
+
 // How far to move each box so that all stand in rows about as long as they are high together.
 std::vector<Complex> SetOut(const std::vector<Bounds>& boxes, double gap) {
   double area = 0, widest = 0;
@@ -107,25 +120,22 @@ std::vector<Complex> SetOut(const std::vector<Bounds>& boxes, double gap) {
   return moves;
 }
 
-void AddAllowance(const Flattening& flat, double width,
-                  std::span<const std::optional<std::uint32_t>> charts, Pattern& pattern) {
+Status AddAllowance(const Flattening& flat, double width,
+                    std::span<const std::optional<std::uint32_t>> charts, Pattern& pattern) {
   std::vector<std::vector<Ring>> borders;
   std::vector<Bounds> boxes;
+  BorderBudget budget;
   for (const FlatChart& chart : flat.charts) {
     std::vector<Ring> rings;
     for (const Loop& loop : chart.loops) {
       Ring& ring = rings.emplace_back();
       for (const std::uint32_t u : loop) ring.push_back(pattern.points[u]);
     }
-    borders.push_back(OffsetOutwards(rings, width));
+    TRY(borders.emplace_back(), OffsetOutwards(rings, width, budget));
     Bounds& box = boxes.emplace_back();
     for (const Ring& ring : borders.back()) box.Add(ring);
   }
-  bool touch = false;
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    for (std::size_t k = 0; k < i; ++k) touch = touch || Touch(boxes[i], boxes[k]);
-  }
-  if (touch) {
+  if (AnyTouch(boxes)) {
     const std::vector<Complex> moves = SetOut(boxes, width);
     for (std::size_t u = 0; u < charts.size(); ++u) {
       if (!charts[u] || *charts[u] >= moves.size()) continue;
@@ -140,11 +150,12 @@ void AddAllowance(const Flattening& flat, double width,
   for (auto& rings : borders) {
     std::move(rings.begin(), rings.end(), std::back_inserter(pattern.allowance));
   }
+  return {};
 }
 
 }  // namespace
 
-Pattern MakePattern(const Flattening& flat, const PatternOptions& options) {
+Result<Pattern> MakePattern(const Flattening& flat, const PatternOptions& options) {
   Pattern pattern;
   pattern.points = flat.uv;
   for (Complex& p : pattern.points) p *= options.millimetres_per_unit;
@@ -158,7 +169,7 @@ Pattern MakePattern(const Flattening& flat, const PatternOptions& options) {
     }
   }
   const auto charts = Charts(flat);
-  if (options.allowance > 0) AddAllowance(flat, options.allowance, charts, pattern);
+  if (options.allowance > 0) CHECK_OK(AddAllowance(flat, options.allowance, charts, pattern));
   for (const GrainLine& line : options.grain_lines) {
     if (const auto ends = EndsOf(line, flat, charts)) {
       pattern.grain_lines.push_back({pattern.points[ends->first], pattern.points[ends->second]});

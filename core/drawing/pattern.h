@@ -28,7 +28,8 @@ struct PatternOptions {
   std::span<const GrainLine> grain_lines;  // those that the surface was flattened with
 };
 
-// With an allowance, charts that would come too close are set out in rows.
-Pattern MakePattern(const Flattening& flat, const PatternOptions& options);
+// With an allowance, charts that would come too close are set out in rows; kInvalidOption when an
+// outline crosses itself too often to have one.
+Result<Pattern> MakePattern(const Flattening& flat, const PatternOptions& options);
 
 }  // namespace arap

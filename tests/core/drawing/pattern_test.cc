@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <random>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -33,6 +34,22 @@ Flattening CutSquare(double away = 10) {
   flat.charts[0].loops = {{0, 1, 2}};
   flat.charts[1].loops = {{4, 5, 3}};
   return flat;
+}
+
+template <class T>
+T ValueOf(const Result<T>& result) {
+  EXPECT_TRUE(result) << result.error().message;
+  return result ? *result : T{};
+}
+
+Pattern Made(const Flattening& flat, const PatternOptions& options) {
+  return ValueOf(MakePattern(flat, options));
+}
+
+// With all that a drawing may cost.
+std::vector<Ring> Offset(const std::vector<Ring>& rings, double width) {
+  BorderBudget budget;
+  return ValueOf(OffsetOutwards(rings, width, budget));
 }
 
 using Polyline = std::vector<Complex>;
@@ -116,7 +133,7 @@ std::vector<std::pair<Polyline, bool>> Paths(const std::string& svg, const std::
 
 TEST(Pattern, HasOutlinesSeamsAndGrainInMillimetres) {
   const std::vector<GrainLine> grain{{0, 1, 0}, {2, 3, std::numbers::pi}, {1, 3, 0}};
-  const Pattern pattern = MakePattern(CutSquare(), {10, 0, grain});
+  const Pattern pattern = Made(CutSquare(), {10, 0, grain});
   EXPECT_EQ(pattern.points[1], Complex(40, 0));
   EXPECT_THAT(pattern.outlines, ElementsAre(ElementsAre(0, 1, 2), ElementsAre(4, 5, 3)));
   EXPECT_THAT(pattern.seams, ElementsAre(ElementsAre(2, 0), ElementsAre(4, 5)));
@@ -129,14 +146,14 @@ TEST(Pattern, HasOutlinesSeamsAndGrainInMillimetres) {
 TEST(Pattern, ALoopOfCutsIsOneSeam) {
   Flattening flat = CutSquare();
   flat.cuts = {{0, 1}, {1, 2}, {0, 2}};
-  const Pattern pattern = MakePattern(flat, {});
+  const Pattern pattern = Made(flat, {});
   EXPECT_THAT(pattern.seams, ElementsAre(ElementsAre(0, 1, 2, 0), ElementsAre(4, 5)));
 }
 
 TEST(Pattern, PiecesThatTheAllowanceBringsTogetherAreSetApart) {
-  const Pattern apart = MakePattern(CutSquare(), {1, 1, {}});
+  const Pattern apart = Made(CutSquare(), {1, 1, {}});
   EXPECT_EQ(apart.points, CutSquare().uv);
-  const Pattern close = MakePattern(CutSquare(5), {1, 1, {}});
+  const Pattern close = Made(CutSquare(5), {1, 1, {}});
   ASSERT_EQ(close.allowance.size(), 2u);
   std::array<Bounds, 2> boxes;
   for (std::size_t i = 0; i < 2; ++i) boxes[i].Add(close.allowance[i]);
@@ -152,7 +169,7 @@ TEST(Pattern, PiecesThatTheAllowanceBringsTogetherAreSetApart) {
 }
 
 TEST(Allowance, OfARectangleIsALargerOne) {
-  const auto rings = OffsetOutwards({{{0, 0}, {100, 0}, {100, 50}, {0, 50}}}, 10);
+  const auto rings = Offset({{{0, 0}, {100, 0}, {100, 50}, {0, 50}}}, 10);
   ASSERT_EQ(rings.size(), 1u);
   EXPECT_THAT(rings[0], ElementsAre(Complex(110, 60), Complex(-10, 60), Complex(-10, -10),
                                     Complex(110, -10)));
@@ -160,17 +177,60 @@ TEST(Allowance, OfARectangleIsALargerOne) {
 
 TEST(Allowance, HolesShrinkAndVanish) {
   const Ring outer{{0, 0}, {100, 0}, {100, 100}, {0, 100}};
-  EXPECT_THAT(OffsetOutwards({outer, {{30, 30}, {30, 70}, {70, 70}, {70, 30}}}, 10),
+  EXPECT_THAT(Offset({outer, {{30, 30}, {30, 70}, {70, 70}, {70, 30}}}, 10),
               ElementsAre(testing::_, ElementsAre(Complex(60, 60), Complex(60, 40), Complex(40, 40),
                                                   Complex(40, 60))));
-  EXPECT_EQ(OffsetOutwards({outer, {{40, 30}, {40, 70}, {60, 70}, {60, 30}}}, 10).size(), 1u);
+  EXPECT_EQ(Offset({outer, {{40, 30}, {40, 70}, {60, 70}, {60, 30}}}, 10).size(), 1u);
 }
 
 TEST(Allowance, FillsANarrowSlotWithoutCrossingItself) {
-  const auto rings = OffsetOutwards(
+  const auto rings = Offset(
       {{{0, 0}, {100, 0}, {100, 100}, {55, 100}, {55, 20}, {45, 20}, {45, 100}, {0, 100}}}, 10);
   ASSERT_EQ(rings.size(), 1u);
   EXPECT_EQ(rings[0].size(), 4u);  // a square
+}
+
+TEST(Allowance, OfAFineOutlineCostsLittle) {
+  constexpr std::size_t kPoints = 20'000;
+  constexpr double kRadius = 300, kWidth = 100;
+  Ring circle;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    circle.push_back(std::polar(kRadius, 2 * std::numbers::pi * static_cast<double>(i) / kPoints));
+  }
+  BorderBudget budget;
+  const std::vector<Ring> rings = ValueOf(OffsetOutwards({circle}, kWidth, budget));
+  ASSERT_EQ(rings.size(), 1u);
+  EXPECT_NEAR(Area(rings[0]), std::numbers::pi * std::pow(kRadius + kWidth, 2), 10);
+  EXPECT_LT(BorderBudget().left - budget.left, 100 * kPoints);
+}
+
+// The outline of a layout that is folded over and over, or of a server that lies.
+TEST(Allowance, OfAScribbleIsRefusedBeforeTheWork) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> place(0, 500);
+  Flattening flat = CutSquare();
+  for (int i = 0; i < 5000; ++i) {
+    flat.charts[0].loops[0].push_back(static_cast<std::uint32_t>(flat.uv.size()));
+    flat.uv.emplace_back(place(random), place(random));
+    flat.source.push_back(0);
+  }
+  const Result<Pattern> refused = MakePattern(flat, {1, 10, {}});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, FaultKind::kInvalidOption);
+  EXPECT_EQ(refused.error().field, "allowance");
+  EXPECT_TRUE(MakePattern(flat, {1, 0, {}}));
+  // All pieces of a drawing share what it may cost.
+  BorderBudget spent{3};
+  EXPECT_FALSE(OffsetOutwards({{{0, 0}, {100, 0}, {100, 50}, {0, 50}}}, 10, spent));
+}
+
+// An eight: what is gone round the other way keeps an allowance too.
+TEST(Allowance, OfAnOutlineThatCrossesItselfIsDrawn) {
+  const auto rings = Offset({{{0, 0}, {100, 100}, {100, 0}, {0, 100}}}, 5);
+  Bounds box;
+  for (const Ring& ring : rings) box.Add(ring);
+  EXPECT_GE(box.width(), 100);
+  EXPECT_LE(box.width(), 120);
 }
 
 // Of every point of the border the distance to the outline is the width, at most the limit of the
@@ -178,7 +238,7 @@ TEST(Allowance, FillsANarrowSlotWithoutCrossingItself) {
 TEST(Allowance, KeepsItsWidthRoundASharpAndAHollowCorner) {
   const Ring arrow{{0, 0}, {60, -8}, {20, 0}, {60, 8}};
   constexpr double kWidth = 5;
-  const auto rings = OffsetOutwards({arrow}, kWidth);
+  const auto rings = Offset({arrow}, kWidth);
   ASSERT_EQ(rings.size(), 1u);
   const Ring& border = rings[0];
   const auto distance = [&](Complex p) {
@@ -204,7 +264,7 @@ TEST(Allowance, KeepsItsWidthRoundASharpAndAHollowCorner) {
 
 TEST(Dxf, LayersLengthsAndClosedOutlinesReadBack) {
   const std::vector<GrainLine> grain{{0, 1, 0}};
-  const Pattern pattern = MakePattern(CutSquare(), {10, 5, grain});
+  const Pattern pattern = Made(CutSquare(), {10, 5, grain});
   std::vector<std::string> layers;
   const std::vector<DxfEntity> entities = ReadDxf(FormatDxf(pattern), layers);
   EXPECT_THAT(layers, ElementsAre("OUTLINE", "SEAM", "GRAIN", "CUT"));
@@ -233,7 +293,7 @@ TEST(Dxf, LayersLengthsAndClosedOutlinesReadBack) {
 }
 
 TEST(PatternSheet, IsInMillimetres) {
-  const Pattern pattern = MakePattern(CutSquare(), {10, 0, {}});
+  const Pattern pattern = Made(CutSquare(), {10, 0, {}});
   const std::string svg = FormatPattern(pattern, {/*strain=*/false, /*interior=*/false, {}});
   // 140 mm wide, 40 high, 10 round about.
   EXPECT_THAT(svg, HasSubstr("width=\"160mm\" height=\"60mm\" viewBox=\"0 0 160 60\""));
@@ -258,7 +318,7 @@ TEST(PatternSheet, HasWhatIsAskedFor) {
   whole.charts.resize(1);
   whole.charts[0].loops = {{0, 1, 2, 3}};
   const std::vector<GrainLine> grain{{0, 1, 0}};
-  const Pattern pattern = MakePattern(whole, {1, 2, grain});
+  const Pattern pattern = Made(whole, {1, 2, grain});
   const std::string svg = FormatPattern(pattern, {/*strain=*/true, /*interior=*/true, {"a < b"}});
   EXPECT_EQ(Paths(svg, "strain").size(), 2u);  // two shades
   EXPECT_EQ(Paths(svg, "interior").size(), 1u);
@@ -277,7 +337,7 @@ TEST(PatternSheet, LooseVerticesAreNotDrawn) {
   Flattening flat = CutSquare();
   flat.uv.emplace_back(1e6, 1e6);
   flat.source.push_back(4);
-  const std::string svg = FormatPattern(MakePattern(flat, {10, 0, {}}), {false, false, {}});
+  const std::string svg = FormatPattern(Made(flat, {10, 0, {}}), {false, false, {}});
   EXPECT_THAT(svg, HasSubstr("viewBox=\"0 0 160 60\""));
 }
 
