@@ -6,27 +6,20 @@
 
 namespace arap {
 
-ShapesFile::ShapesFile(const std::string& path, std::size_t vertex_count)
-    : path_(path), file_(path, std::ios::binary) {
+ShapesFile::ShapesFile(const std::string& path, std::size_t vertex_count) : file_(path) {
   std::string header = "frame";
   for (std::size_t v = 0; v < vertex_count; ++v) {
     fmt::format_to(std::back_inserter(header), ",x{0},y{0}", v);
   }
-  file_ << header << '\n';
+  (void)file_.Write(header + '\n');
 }
 
-void ShapesFile::Write(std::size_t frame, std::span<const Complex> positions) {
+Status ShapesFile::Write(std::size_t frame, std::span<const Complex> positions) {
   std::string row = fmt::format("{}", frame);
   for (const Complex p : positions) {
     fmt::format_to(std::back_inserter(row), ",{},{}", p.real(), p.imag());
   }
-  file_ << row << '\n';
-}
-
-Status ShapesFile::Close() {
-  file_.close();
-  if (!file_) return Fail(FaultKind::kInternal, "cannot write " + path_);
-  return {};
+  return file_.Write(row + '\n');
 }
 
 }  // namespace arap

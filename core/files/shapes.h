@@ -2,27 +2,27 @@
 #pragma once
 
 #include <cstddef>
-#include <fstream>
 #include <span>
 #include <string>
 
 #include "arap/base/result.h"
 #include "arap/model/mesh.h"
+#include "core/files/text_file.h"
 
 namespace arap {
 
-// Writes rows as they come. Numbers are the shortest that read back exactly. For one thread.
+// Writes rows as they come. Numbers are the shortest that read back exactly. Without a Close that
+// succeeds there is no file. Faults (kInternal) name it. For one thread.
 class ShapesFile {
  public:
-  // The header needs the number of vertices. Faults (kInternal) come from Close at the latest.
+  // The header needs the number of vertices; Write says when it could not be written.
   ShapesFile(const std::string& path, std::size_t vertex_count);
 
-  void Write(std::size_t frame, std::span<const Complex> positions);
-  Status Close();
+  Status Write(std::size_t frame, std::span<const Complex> positions);
+  Status Close() { return file_.Close(); }
 
  private:
-  std::string path_;
-  std::ofstream file_;
+  OutputFile file_;
 };
 
 }  // namespace arap
