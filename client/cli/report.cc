@@ -1,7 +1,9 @@
 #include "client/cli/report.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <utility>
 
@@ -12,9 +14,81 @@
 
 namespace arap::cli {
 
+namespace {
+
+// The code point at the beginning of a text that is not empty, and how many bytes it has; bytes that
+// are no UTF-8 stand for themselves, one by one.
+struct CodePoint {
+  std::uint32_t value = 0;
+  std::size_t length = 1;
+  bool valid = false;
+
+  explicit CodePoint(std::string_view text) {
+    const auto at = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+    value = at(0);
+    valid = value < 0x80;
+    if (value < 0xc2 || value > 0xf4) return;
+    const std::size_t count = value < 0xe0 ? 2 : value < 0xf0 ? 3 : 4;
+    if (text.size() < count) return;
+    std::uint32_t whole = value & (0x7fU >> count);
+    for (std::size_t i = 1; i < count; ++i) {
+      if ((at(i) & 0xc0U) != 0x80) return;
+      whole = whole << 6U | (at(i) & 0x3fU);
+    }
+    constexpr std::array<std::uint32_t, 5> kLeast{0, 0, 0x80, 0x800, 0x10000};
+    if (whole < kLeast[count] || whole > 0x10ffff || (whole >= 0xd800 && whole < 0xe000)) return;
+    value = whole;
+    length = count;
+    valid = true;
+  }
+
+  // Neither a control character, nor one that is not seen or changes how others are shown.
+  bool IsHarmless() const {
+    struct Range {
+      std::uint32_t first, last;
+    };
+    constexpr std::array<Range, 9> kHarmful{{{0, 0x1f},
+                                             {0x7f, 0x9f},
+                                             {0xad, 0xad},
+                                             {0x61c, 0x61c},
+                                             {0x200b, 0x200f},
+                                             {0x2028, 0x202e},
+                                             {0x2060, 0x206f},
+                                             {0xfeff, 0xfeff},
+                                             {0xe0000, 0xe0fff}}};
+    return valid && std::none_of(kHarmful.begin(), kHarmful.end(), [this](const Range& range) {
+             return value >= range.first && value <= range.last;
+           });
+  }
+};
+
+}  // namespace
+
+std::string Printable(std::string_view text) {
+  constexpr std::size_t kMost = 2000;
+  std::string out;
+  while (!text.empty() && out.size() < kMost) {
+    const CodePoint point(text);
+    if (point.IsHarmless()) {
+      out += text.substr(0, point.length);
+    } else {
+      out += point.value < 0x100 ? fmt::format("\\x{:02x}", point.value)
+                                 : fmt::format("\\u{:04x}", point.value);
+    }
+    text.remove_prefix(point.length);
+  }
+  return text.empty() ? out : out + "…";
+}
+
+std::string JsonText(const nlohmann::ordered_json& json) {
+  using Json = nlohmann::ordered_json;
+  return json.dump(2, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace) + "\n";
+}
+
 std::string ReasonOf(const Fault& fault) { return std::string(InfoOf(fault.kind).reason); }
 
 std::string Describe(const Fault& fault) {
+  std::string text = ReasonOf(fault) + ": " + fault.message;
   std::vector<std::string> extra;
   if (!fault.elements.empty()) {
     extra.push_back(fmt::format("elements {}", fmt::join(fault.elements, " ")));
@@ -23,9 +97,8 @@ std::string Describe(const Fault& fault) {
   for (const auto& [name, value] : fault.details) {
     extra.push_back(fmt::format("{} = {}", name, value));
   }
-  std::string text = ReasonOf(fault) + ": " + fault.message;
   if (!extra.empty()) text += fmt::format(" ({})", fmt::join(extra, "; "));
-  return text;
+  return Printable(text);
 }
 
 int Complain(const Fault& fault) {
@@ -42,8 +115,13 @@ int Complain(const Fault& fault) {
 int ExitCode(const Status& done) { return done ? kOk : Complain(done.error()); }
 
 void PrintWarnings(const std::vector<Warning>& warnings) {
-  for (const Warning& warning : warnings) {
-    fmt::print(stderr, "arapctl: warning: {}: {}\n", warning.kind, warning.message);
+  constexpr std::size_t kMost = 20;
+  for (std::size_t i = 0; i < std::min(warnings.size(), kMost); ++i) {
+    fmt::print(stderr, "arapctl: warning: {}: {}\n", Printable(warnings[i].kind),
+               Printable(warnings[i].message));
+  }
+  if (warnings.size() > kMost) {
+    fmt::print(stderr, "arapctl: {} more warnings\n", warnings.size() - kMost);
   }
 }
 

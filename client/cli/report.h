@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -14,7 +15,13 @@
 
 namespace arap::cli {
 
-// "REASON: message (elements 3 7; field mesh.triangles; limit = 5)".
+// Foreign text, a server's say, as it may be printed: what steers a terminal, turns or hides writing,
+// or is no UTF-8 is shown as an escape (\x1b, \u202e), and what goes on for too long is cut.
+std::string Printable(std::string_view text);
+// Reports as they are written: indented, and whatever is not ASCII as an escape.
+std::string JsonText(const nlohmann::ordered_json& json);
+
+// "REASON: message (elements 3 7; field mesh.triangles; limit = 5)", printable.
 std::string Describe(const Fault& fault);
 // "DEGENERATE_TRIANGLE".
 std::string ReasonOf(const Fault& fault);
@@ -28,7 +35,7 @@ inline constexpr int kUsage = 2;   // the command line is wrong
 int Complain(const Fault& fault);
 // kOk, or Complain.
 int ExitCode(const Status& done);
-// Prints what the server repaired or ignored on standard error.
+// Prints what the server repaired or ignored on standard error, not more than a screenful.
 void PrintWarnings(const std::vector<Warning>& warnings);
 
 // A line on standard error that is overwritten as the work goes on. Silent unless it is a terminal.

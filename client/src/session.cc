@@ -151,6 +151,7 @@ Status Session::DeformTrack(const std::string& handle_set_id,
 
   grpc::ClientContext context;
   internal::Prepare(context, call, id_);
+  const std::stop_callback cancel(call.stop, [&context] { context.TryCancel(); });
   const auto reader = channel_->deformation().DeformTrack(&context, request);
   std::optional<Fault> stop;
   v1::DeformTrackResponse response;

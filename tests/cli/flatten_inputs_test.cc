@@ -189,7 +189,7 @@ TEST(FlattenFlags, SayWhatTheyAreCalled) {
   ASSERT_TRUE(flags) << flags.error().message;
   EXPECT_EQ(flags->millimetres_per_unit, 25.4);
   EXPECT_EQ(flags->allowance, 10);
-  EXPECT_EQ(flags->timeout(), std::chrono::milliseconds(1500));
+  EXPECT_EQ(flags->timeout.value(), std::chrono::milliseconds(1500));
   const auto query = ReadQuery(*flags, kVertices, kTriangles);
   ASSERT_TRUE(query) << query.error().message;
   const FlattenOptions& options = query->options;
@@ -249,7 +249,7 @@ TEST(FlattenFlags, LeaveEverythingElseToTheService) {
   ASSERT_TRUE(query) << query.error().message;
   EXPECT_EQ(query->options, ArapOptions());
   EXPECT_EQ(flags->millimetres_per_unit, 1);
-  EXPECT_EQ(flags->timeout(), std::nullopt);
+  EXPECT_EQ(flags->timeout.value(), std::chrono::minutes(10));
 }
 
 TEST(FlattenFlags, RefuseWhatTheyDoNotKnow) {

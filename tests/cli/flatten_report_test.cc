@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "client/cli/commands/flatten_call.h"
 #include "client/cli/commands/flatten_inputs.h"
 
 namespace arap::cli {
@@ -76,24 +75,6 @@ TEST(FlattenReport, SummaryTellsOfCutsAndOverlaps) {
   flat.cuts.clear();
   flat.overlaps = false;
   EXPECT_EQ(Summary(kTriangle, flat).size(), 3u);
-}
-
-TEST(FlattenCall, AnswersThatDoNotFitAreRefused) {
-  EXPECT_TRUE(CheckAnswer(kTriangle, FlatTriangle().flat));
-  const auto refused = [](auto change) {
-    Flattening flat = FlatTriangle().flat;
-    change(flat);
-    return !CheckAnswer(kTriangle, flat);
-  };
-  EXPECT_TRUE(refused([](auto& flat) { flat.corner_uv[0][1] = 3; }));
-  EXPECT_TRUE(refused([](auto& flat) { flat.corner_uv.pop_back(); }));
-  EXPECT_TRUE(refused([](auto& flat) { flat.uv.pop_back(); }));
-  EXPECT_TRUE(refused([](auto& flat) { flat.source[0] = 3; }));
-  EXPECT_TRUE(refused([](auto& flat) { flat.singular_values.clear(); }));
-  EXPECT_TRUE(refused([](auto& flat) { flat.charts[0].loops[0][0] = 9; }));
-  EXPECT_TRUE(refused([](auto& flat) { flat.triangle_chart.clear(); }));
-  EXPECT_TRUE(refused([](auto& flat) { flat.cuts[0][0] = 3; }));
-  EXPECT_TRUE(refused([](auto& flat) { flat.charts[0].anchors = {0, 3}; }));
 }
 
 }  // namespace

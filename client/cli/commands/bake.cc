@@ -2,14 +2,18 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "client/cli/answers.h"
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/stage.h"
+#include "client/cli/patience.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
 #include "core/files/shapes.h"
@@ -42,34 +46,78 @@ std::vector<std::vector<Target>> FramesOf(const Track& track, const TrackSegment
   return frames;
 }
 
-Result<EditTimes> Edit(const Stage& stage, const TrackEdit& edit, bool hard) {
-  const auto edited = stage.session().EditHandles(kHandleSet, edit.remove,
-                                                  ToHandles(stage.track(), edit.add, hard));
-  if (!edited) {
-    Fault fault = edited.error();
-    fault.message = fmt::format("edit before frame {}: {}", edit.frame, fault.message);
+// Bakes a track, frame by frame, each to be used when it comes.
+class Baker {
+ public:
+  using OnShape = std::function<Status(std::size_t frame, client::Shape&& shape)>;
+
+  // Refers to both.
+  Baker(const Stage& stage, const StageOptions& options)
+      : stage_(stage),
+        options_(options),
+        patience_(options.timeout.value(), [this] { stop_.request_stop(); }) {}
+
+  Result<EditTimes> Edit(const TrackEdit& edit) {
+    patience_.Heard();
+    const auto edited = stage_.session().EditHandles(
+        kHandleSet, edit.remove, ToHandles(stage_.track(), edit.add, options_.hard), Call());
+    if (!edited) {
+      return Failed(fmt::format("edit before frame {}", edit.frame), edited.error());
+    }
+    PrintWarnings(edited->handle_set.warnings);
+    return EditTimes{edit.frame,           edit.remove.size(),   edit.add.size(),
+                     edited->queue_micros, edited->solve_micros, 0};
+  }
+
+  // The frames of a segment. The first fault of `on_shape` ends it.
+  Status Bake(const TrackSegment& segment, const OnShape& on_shape) {
+    patience_.Heard();
+    Status used;
+    std::size_t frame = segment.first;
+    const client::ShapeOptions how{options_.deform, /*float64=*/true};
+    const Status baked = stage_.session().DeformTrack(
+        kHandleSet, segment.ids, FramesOf(stage_.track(), segment), how,
+        [&](client::Shape&& shape) {
+          patience_.Heard();
+          used = Check(shape, segment, frame);
+          if (used) used = on_shape(frame++, std::move(shape));
+          return used.has_value();
+        },
+        {std::nullopt, stop_.get_token()});
+    if (!used) return used;
+    if (baked && frame != segment.end) {
+      return Fail(FaultKind::kInternal,
+                  fmt::format("The server ended the track after {} of {} frames.",
+                              frame - segment.first, segment.end - segment.first));
+    }
+    if (baked) return {};
+    return segment.first == 0
+               ? Failed({}, baked.error())
+               : Failed(fmt::format("counted from frame {}", segment.first), baked.error());
+  }
+
+ private:
+  // Whether it is the shape of this frame of the track.
+  Status Check(const client::Shape& shape, const TrackSegment& segment, std::size_t frame) const {
+    if (frame >= segment.end || shape.sequence != frame - segment.first || !shape.picks.empty()) {
+      return Fail(FaultKind::kInternal, "The server answered a frame that was not asked for.");
+    }
+    return CheckShape(shape, stage_.mesh().vertices.size());
+  }
+
+  client::CallOptions Call() const { return {options_.timeout.value(), stop_.get_token()}; }
+
+  tl::unexpected<Fault> Failed(const std::string& where, Fault fault) const {
+    fault = patience_.Explain(std::move(fault));
+    if (!where.empty()) fault.message = where + ": " + fault.message;
     return Fail(std::move(fault));
   }
-  PrintWarnings(edited->handle_set.warnings);
-  return EditTimes{edit.frame,           edit.remove.size(),   edit.add.size(),
-                   edited->queue_micros, edited->solve_micros, 0};
-}
 
-// Bakes the frames of a segment; `on_shape` gets their numbers in the track.
-Status BakeSegment(const Stage& stage, const TrackSegment& segment, const client::ShapeOptions& how,
-                   const std::function<void(std::size_t, const client::Shape&)>& on_shape) {
-  Status baked =
-      stage.session().DeformTrack(kHandleSet, segment.ids, FramesOf(stage.track(), segment), how,
-                                  [&](const client::Shape& shape) {
-                                    on_shape(segment.first + shape.sequence, shape);
-                                    return true;
-                                  });
-  if (!baked && segment.first > 0) {
-    Fault& fault = baked.error();
-    fault.message = fmt::format("counted from frame {}: {}", segment.first, fault.message);
-  }
-  return baked;
-}
+  const Stage& stage_;
+  const StageOptions& options_;
+  std::stop_source stop_;
+  Patience patience_;
+};
 
 Status Bake(const StageOptions& options) {
   TRY(const Stage stage, Stage::Open(options));
@@ -79,20 +127,22 @@ Status Bake(const StageOptions& options) {
   FilmMaker film(options, stage);
   Totals totals;
   std::vector<EditTimes> edits;
-  const client::ShapeOptions how{options.deform, /*float64=*/true};
   {
+    Baker baker(stage, options);
     Progress progress("frame", track.frames.size());
+    const auto on_shape = [&](std::size_t frame, client::Shape&& shape) -> Status {
+      CHECK_OK(shapes.Write(frame, shape.positions));
+      totals.Add(shape);
+      film.Add(frame, std::move(shape.positions));
+      progress.Step();
+      return {};
+    };
     for (const TrackSegment& segment : SegmentsOf(track)) {
       if (segment.edit != nullptr) {
-        TRY(const EditTimes edited, Edit(stage, *segment.edit, options.hard));
+        TRY(const EditTimes edited, baker.Edit(*segment.edit));
         edits.push_back(edited);
       }
-      CHECK_OK(BakeSegment(stage, segment, how, [&](std::size_t frame, const client::Shape& shape) {
-        shapes.Write(frame, shape.positions);
-        film.Add(frame, shape);
-        totals.Add(shape);
-        progress.Step();
-      }));
+      CHECK_OK(baker.Bake(segment, on_shape));
     }
   }
   CHECK_OK(shapes.Close());

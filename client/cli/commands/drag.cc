@@ -1,7 +1,6 @@
 // arapctl drag: a track through a live stream, as an interactive client would.
 #include <istream>
 #include <iterator>
-#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -11,9 +10,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "client/cli/answers.h"
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/drag_loop.h"
 #include "client/cli/commands/stage.h"
+#include "client/cli/patience.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
 #include "core/files/shapes.h"
@@ -98,7 +99,7 @@ std::string JsonReport(const DragTimes& times, std::span<const Complex> points) 
   for (std::size_t i = 0; i < times.picks.size(); ++i) {
     json["picks"].push_back(ToJson(points[i], times.picks[i]));
   }
-  return json.dump(2) + "\n";
+  return JsonText(json);
 }
 
 Status Drag(const DragOptions& options) {
@@ -115,16 +116,25 @@ Status Drag(const DragOptions& options) {
   }
   FilmMaker film(options.stage, stage);
   client::StreamOptions how{options.delivery, {options.stage.deform, shapes.has_value()}};
-  how.heartbeat = {};  // nobody is idle here
+  how.silence = options.stage.timeout.value();
   TRY(client::DeformStream stream, stage.session().OpenStream(kHandleSet, how));
 
-  const OnShape on_shape = [&](std::size_t frame, const client::Shape& shape) {
-    if (shapes) shapes->Write(frame, shape.positions);
-    film.Add(frame, shape);
-  };
   const bool every = options.delivery == client::Delivery::kEvery;
-  TRY(const DragTimes times, every ? DragEvery(stream, script, on_shape)
-                                   : DragLatest(stream, script, options.rate, on_shape));
+  const auto play = [&]() -> Result<DragTimes> {
+    Patience patience(options.stage.timeout.value(), [&stream] { stream.Cancel(); });
+    const OnShape on_shape = [&](std::size_t frame, client::Shape&& shape) -> Status {
+      patience.Heard();
+      CHECK_OK(CheckShape(shape, stage.mesh().vertices.size()));
+      if (shapes) CHECK_OK(shapes->Write(frame, shape.positions));
+      film.Add(frame, std::move(shape.positions));
+      return {};
+    };
+    auto times = every ? DragEvery(stream, script, on_shape)
+                       : DragLatest(stream, script, options.rate, on_shape);
+    if (!times) return Fail(patience.Explain(times.error()));
+    return times;
+  };
+  TRY(const DragTimes times, play());
 
   const Percentiles round_trip = PercentilesOf(times.round_trip_micros);
   const std::string caption = fmt::format(
@@ -149,15 +159,10 @@ void AddDrag(CLI::App& app, Run& run) {
   CLI::App* const command =
       app.add_subcommand("drag", "Play a track through a live stream and take the times");
   AddStageOptions(*command, options->stage, /*out_required=*/false);
-  command
-      ->add_option("--delivery", options->delivery,
-                   "answer the latest update, or every one with a single update on its way; "
-                   "default latest")
-      ->transform(CLI::CheckedTransformer(
-                      std::map<std::string, client::Delivery>{{"latest", client::Delivery::kLatest},
-                                                              {"every", client::Delivery::kEvery}})
-                      .description(""))
-      ->option_text("latest|every");
+  AddChoice<client::Delivery>(
+      *command, "--delivery", options->delivery,
+      {{"latest", client::Delivery::kLatest}, {"every", client::Delivery::kEvery}},
+      "answer the latest update, or every one with a single update on its way; default latest");
   command
       ->add_option("--rate", options->rate, "updates per second, for --delivery latest; default 60")
       ->check(CLI::Range(0.1, 1e6).description(""))

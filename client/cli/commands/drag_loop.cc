@@ -32,36 +32,49 @@ auto NotAsked() {
   return Fail(FaultKind::kInternal, "The server answered something that was not asked.");
 }
 
-// The next answer; empty at the end of the stream. Anything else is a fault.
-Result<std::optional<Answer>> ReadAnswer(client::DeformStream& stream, const DragScript& script) {
-  TRY(std::optional<client::StreamEvent> event, stream.Read());
-  if (!event) return std::optional<Answer>();
-  if (auto* error = std::get_if<client::UpdateError>(&*event)) {
-    if (const auto cue = script.CueOf(error->sequence)) {
-      error->fault.message = fmt::format("{} {}: {}", cue->edit ? "edit before frame" : "frame",
-                                         cue->frame, error->fault.message);
-    }
-    return Fail(error->fault);
-  }
-  auto* shape = std::get_if<client::Shape>(&*event);
-  if (shape == nullptr) return NotAsked();
-  const std::optional<DragCue> cue = script.CueOf(shape->sequence);
-  const bool last = cue && !cue->edit && cue->frame + 1 == script.frame_count();
-  if (!cue || shape->picks.size() != (last ? script.pick_points().size() : 0)) {
-    return NotAsked();
-  }
-  return std::optional<Answer>({*cue, std::move(*shape)});
-}
+// The answers of a stream in the order of the script, each of them once.
+class Answers {
+ public:
+  Answers(client::DeformStream& stream, const DragScript& script)
+      : stream_(stream), script_(script) {}
 
-void Count(Answer& answer, double round_trip, const DragScript& script, const OnShape& on_shape,
-           DragTimes& times) {
+  // Empty at the end of the stream. Anything but an answer is a fault.
+  Result<std::optional<Answer>> Next() {
+    TRY(std::optional<client::StreamEvent> event, stream_.Read());
+    if (!event) return std::optional<Answer>();
+    if (auto* error = std::get_if<client::UpdateError>(&*event)) {
+      if (const auto cue = script_.CueOf(error->sequence)) {
+        error->fault.message = fmt::format("{} {}: {}", cue->edit ? "edit before frame" : "frame",
+                                           cue->frame, error->fault.message);
+      }
+      return Fail(error->fault);
+    }
+    auto* shape = std::get_if<client::Shape>(&*event);
+    if (shape == nullptr || shape->sequence <= last_) return NotAsked();
+    last_ = shape->sequence;
+    const std::optional<DragCue> cue = script_.CueOf(shape->sequence);
+    const bool last = cue && !cue->edit && cue->frame + 1 == script_.frame_count();
+    if (!cue || shape->picks.size() != (last ? script_.pick_points().size() : 0)) {
+      return NotAsked();
+    }
+    return std::optional<Answer>({*cue, std::move(*shape)});
+  }
+
+ private:
+  client::DeformStream& stream_;
+  const DragScript& script_;
+  std::uint64_t last_ = 0;  // its sequence
+};
+
+Status Count(Answer& answer, double round_trip, const DragScript& script, const OnShape& on_shape,
+             DragTimes& times) {
   const client::Shape& shape = answer.shape;
   const std::size_t frame = answer.cue.frame;
   if (answer.cue.edit) {
     const TrackEdit& edit = *script.EditAt(frame);
     times.edits.push_back({frame, edit.remove.size(), edit.add.size(), shape.queue_micros,
                            shape.solve_micros, round_trip});
-    return;
+    return {};
   }
   ++times.answered;
   times.round_trip_micros.push_back(round_trip);
@@ -71,8 +84,8 @@ void Count(Answer& answer, double round_trip, const DragScript& script, const On
   if (shape.quality.flipped > 0) ++times.frames_with_flips;
   times.most_flips = std::max(times.most_flips, shape.quality.flipped);
   times.worst_handle_error = std::max(times.worst_handle_error, shape.quality.worst_handle_error);
-  on_shape(frame, shape);
   if (!shape.picks.empty()) times.picks = std::move(answer.shape.picks);
+  return on_shape(frame, std::move(answer.shape));
 }
 
 // Whether it neither turns nor scales a handle.
@@ -129,14 +142,16 @@ std::optional<DragCue> DragScript::CueOf(std::uint64_t sequence) const {
 Result<DragTimes> DragEvery(client::DeformStream& stream, const DragScript& script,
                             const OnShape& on_shape) {
   DragTimes times;
+  Answers answers(stream, script);
   // A failed send is explained by the read.
   const auto ask = [&](std::size_t frame, auto send) -> Status {
     const Clock::time_point sent = Clock::now();
     (void)(script.*send)(stream, frame);
-    TRY(std::optional<Answer> answer, ReadAnswer(stream, script));
+    TRY(std::optional<Answer> answer, answers.Next());
     if (!answer) return Fail(FaultKind::kInternal, "The server ended the stream early.");
-    Count(*answer, MicrosSince(sent), script, on_shape, times);
-    return {};
+    const bool edit = send == &DragScript::SendEdit;
+    if (answer->cue.frame != frame || answer->cue.edit != edit) return NotAsked();
+    return Count(*answer, MicrosSince(sent), script, on_shape, times);
   };
   for (std::size_t i = 0; i < script.frame_count(); ++i) {
     if (script.EditAt(i) != nullptr) CHECK_OK(ask(i, &DragScript::SendEdit));
@@ -162,16 +177,16 @@ Result<DragTimes> DragLatest(client::DeformStream& stream, const DragScript& scr
     (void)stream.CloseSending();
   });
   times.sent = script.frame_count();
-  for (;;) {
-    Result<std::optional<Answer>> answer = ReadAnswer(stream, script);
-    if (!answer) {
-      stream.Cancel();  // frees a writer that waits for the server to read
-      return Fail(answer.error());
+  const Status read = [&]() -> Status {
+    for (Answers answers(stream, script);;) {
+      TRY(std::optional<Answer> answer, answers.Next());
+      if (!answer) return {};
+      CHECK_OK(Count(*answer, MicrosSince(due(answer->cue.frame)), script, on_shape, times));
     }
-    if (!*answer) return times;
-    const double round_trip = MicrosSince(due((*answer)->cue.frame));
-    Count(**answer, round_trip, script, on_shape, times);
-  }
+  }();
+  if (read) return times;
+  stream.Cancel();  // frees a writer that waits for the server to read
+  return Fail(read.error());
 }
 
 }  // namespace arap::cli

@@ -63,8 +63,8 @@ struct DragTimes {
   std::vector<std::optional<Pick>> picks;  // of the script's points, on the last frame
 };
 
-// Called for every frame that is answered, in order, on the calling thread.
-using OnShape = std::function<void(std::size_t frame, const client::Shape& shape)>;
+// Called for every frame that is answered, in order, on the calling thread. A fault ends the drag.
+using OnShape = std::function<Status(std::size_t frame, client::Shape&& shape)>;
 
 // EVERY delivery: each update, and each edit, is sent when the one before is answered. The round
 // trip is counted from the sending.

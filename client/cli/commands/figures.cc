@@ -6,11 +6,10 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/commands/compare.h"
-#include "client/cli/commands/flatten_call.h"
+#include "client/cli/commands/lay_flat.h"
 #include "client/cli/connect/connection.h"
 #include "client/cli/report.h"
-#include "client/cli/sample/character.h"
+#include "client/cli/sample/planar.h"
 #include "client/cli/sample/surfaces.h"
 #include "core/base/try.h"
 #include "core/drawing/comparison.h"
@@ -121,7 +120,7 @@ Status DrawFlattenings(const client::Client& client, const std::string& folder) 
   const SurfaceMesh face = MakeFace(kFaceEdge);
   TRY(const auto panels,
       CompareMethods({}, [&](const client::FlattenQuery& query, const std::string& what) {
-        return FlattenWaiting(client, face, query, std::nullopt, what);
+        return FlattenWaiting(client, face, query, Timeout().value(), what);
       }));
   return WriteTextFile(
       folder + "/figure6.svg",

@@ -4,10 +4,9 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/commands/compare.h"
-#include "client/cli/commands/flatten_call.h"
 #include "client/cli/commands/flatten_flags.h"
 #include "client/cli/commands/flatten_report.h"
+#include "client/cli/commands/lay_flat.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
 #include "core/drawing/comparison.h"
@@ -15,7 +14,6 @@
 #include "core/drawing/pattern.h"
 #include "core/drawing/pattern_sheet.h"
 #include "core/files/mesh_file.h"
-#include "core/files/obj.h"
 #include "core/files/text_file.h"
 
 namespace arap::cli {
@@ -35,7 +33,8 @@ Status WriteLayout(const FlattenFlags& flags, const std::vector<GrainLine>& grai
     CHECK_OK(WriteTextFile(flags.out, FormatObj(mesh, flat.uv, flat.corner_uv)));
   }
   if (!flags.svg.empty() || !flags.dxf.empty()) {
-    const Pattern pattern = MakePattern(flat, {flags.millimetres_per_unit, flags.allowance, grain});
+    TRY(const Pattern pattern,
+        MakePattern(flat, {flags.millimetres_per_unit, flags.allowance, grain}));
     const PatternSheet sheet{!flags.plain, flags.interior, summary};
     CHECK_OK(WriteWanted(flags.svg, FormatPattern(pattern, sheet)));
     CHECK_OK(WriteWanted(flags.dxf, FormatDxf(pattern)));
@@ -46,7 +45,7 @@ Status WriteLayout(const FlattenFlags& flags, const std::vector<GrainLine>& grai
 Status Compare(const FlattenFlags& flags, const client::FlattenQuery& query,
                const SurfaceMesh& mesh, const client::Client& client) {
   const FlattenCall flatten = [&](const client::FlattenQuery& one, const std::string& what) {
-    return FlattenWaiting(client, mesh, one, flags.timeout(), what);
+    return FlattenWaiting(client, mesh, one, flags.timeout.value(), what);
   };
   TRY(const std::vector<ComparisonPanel> panels, CompareMethods(query, flatten));
   fmt::print("{}", FormatTable(panels));
@@ -66,7 +65,7 @@ Status Flatten(const FlattenFlags& flags) {
       !(flags.out.empty() && flags.svg.empty() && flags.dxf.empty() && flags.report.empty());
   if (layout) {
     TRY(const client::FlatSurface answer,
-        FlattenWaiting(connection.client(), mesh, query, flags.timeout(), "flattening"));
+        FlattenWaiting(connection.client(), mesh, query, flags.timeout.value(), "flattening"));
     PrintWarnings(answer.flat.warnings);
     CHECK_OK(WriteLayout(flags, query.options.grain_lines, mesh, answer));
   }

@@ -1,37 +1,19 @@
 #include "client/cli/commands/flatten_flags.h"
 
 #include <algorithm>
-#include <charconv>
 #include <climits>
-#include <cmath>
 #include <map>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "client/cli/commands/commands.h"
 #include "client/cli/commands/flatten_inputs.h"
-#include "client/cli/commands/option_names.h"
 #include "core/base/try.h"
 #include "core/files/text_file.h"
 
 namespace arap::cli {
 namespace {
-
-// Unlike CLI::Range it does not take NaN for a number between.
-CLI::Validator Between(double low, double high) {
-  return CLI::Validator(
-      [low, high](std::string& text) -> std::string {
-        double number = 0;
-        const char* const end = text.data() + text.size();
-        const auto [stop, error] = std::from_chars(text.data(), end, number);
-        if (error == std::errc() && stop == end && number >= low && number <= high) return {};
-        return fmt::format("{} is not a number from {} to {}", text, low, high);
-      },
-      "");
-}
-
-// A number above 0.
-CLI::Validator Positive() { return Between(1e-9, 1e9); }
 
 void AddOutputs(CLI::App& command, FlattenFlags& flags) {
   auto* const outputs = command.add_option_group("Output", "what to write, at least one");
@@ -131,7 +113,9 @@ std::map<std::string, Method> Methods() {
 void AddMethodFlags(CLI::App& command, MethodFlags& flags) {
   AddChoice(command, "--method", flags.method, Methods(),
             "which layout; default both steps with the basis, arap-face without one");
-  AddFlattenEnergyOptions(command, flags.basis, flags.weights);
+  AddBasis(command, flags.basis, /*planar=*/false,
+           "what moves rigidly, where the method leaves it open");
+  AddWeights(command, flags.weights, "of the edges; default cotangent");
   AddChoice<FlattenAnchors>(
       command, "--anchors", flags.anchors,
       {{"center-edge", FlattenAnchors::kCentreEdge},
@@ -194,11 +178,6 @@ auto DoesNotGo(const char* flag, Method method, const char* field) {
 
 }  // namespace
 
-std::optional<std::chrono::milliseconds> FlattenFlags::timeout() const {
-  if (!timeout_seconds) return std::nullopt;
-  return std::chrono::milliseconds(std::llround(std::ceil(*timeout_seconds * 1000)));
-}
-
 Result<FlattenOptions> MethodFlags::Options() const {
   if (basis && !Allows(method, *basis)) return DoesNotGo("--basis", method, "energy.basis");
   const bool conformal = method == Method::kLscm || method == Method::kAbf;
@@ -219,11 +198,7 @@ void AddFlattenFlags(CLI::App& command, FlattenFlags& flags) {
   command.add_option("SURFACE", flags.surface, "the surface: an OBJ or OFF file")->required();
   AddServerFlags(command, flags.server);
   AddMethodFlags(command, flags.method);
-  command
-      .add_option("--timeout", flags.timeout_seconds,
-                  "give up after so many seconds; default never")
-      ->check(Positive())
-      ->option_text("SECONDS");
+  AddTimeout(command, flags.timeout);
   AddSurfaceFlags(command, flags);
   AddOutputs(command, flags);
   AddDrawing(command, flags);

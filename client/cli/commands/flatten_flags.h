@@ -1,7 +1,6 @@
 // The command line of flatten.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,6 +10,7 @@
 
 #include "arap/base/result.h"
 #include "arap/client/flatten.h"
+#include "client/cli/commands/commands.h"
 #include "client/cli/connect/connection.h"
 
 namespace arap::cli {
@@ -44,11 +44,9 @@ struct FlattenFlags {
   bool sigma = false;  // every triangle in the report
   bool interior = false;
   bool plain = false;
-  std::optional<double> timeout_seconds;
+  Timeout timeout;
   MethodFlags method;
   client::FlattenQuery query;  // but for what `method` and the files say
-
-  std::optional<std::chrono::milliseconds> timeout() const;
 };
 
 void AddFlattenFlags(CLI::App& command, FlattenFlags& flags);

@@ -3,9 +3,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include "client/cli/report.h"
 
 namespace arap::cli {
 namespace {
@@ -47,6 +50,17 @@ Json ChartJson(const FlatChart& chart, const Flattening& flat) {
       {"refinements", chart.refinements},      {"distortion", DistortionJson(chart.distortion)}};
 }
 
+// The lines about strain, angles and energies.
+std::vector<std::string> Measures(const Distortion& d) {
+  return {
+      fmt::format("stretch mean {:.3f} %, max {:.3f} %; compression mean {:.3f} %, max {:.3f} %",
+                  d.mean_stretch_percent, d.max_stretch_percent, d.mean_compression_percent,
+                  d.max_compression_percent),
+      fmt::format(
+          "angles mean {:.3f}°, max {:.3f}°; ARAP energy {:.3g}; symmetric Dirichlet {:.6g}",
+          d.mean_angle_degrees, d.max_angle_degrees, d.arap_energy, d.symmetric_dirichlet)};
+}
+
 }  // namespace
 
 std::string JsonReport(const SurfaceMesh& mesh, const client::FlatSurface& answer, bool sigma) {
@@ -86,17 +100,7 @@ std::string JsonReport(const SurfaceMesh& mesh, const client::FlatSurface& answe
     Json& values = json["singular_values"] = Json::array();
     for (const auto& [s1, s2] : flat.singular_values) values.push_back({s1, s2});
   }
-  return json.dump(2) + "\n";
-}
-
-std::vector<std::string> Measures(const Distortion& d) {
-  return {
-      fmt::format("stretch mean {:.3f} %, max {:.3f} %; compression mean {:.3f} %, max {:.3f} %",
-                  d.mean_stretch_percent, d.max_stretch_percent, d.mean_compression_percent,
-                  d.max_compression_percent),
-      fmt::format(
-          "angles mean {:.3f}°, max {:.3f}°; ARAP energy {:.3g}; symmetric Dirichlet {:.6g}",
-          d.mean_angle_degrees, d.max_angle_degrees, d.arap_energy, d.symmetric_dirichlet)};
+  return JsonText(json);
 }
 
 std::vector<std::string> Summary(const SurfaceMesh& mesh, const Flattening& flat) {
@@ -112,6 +116,23 @@ std::vector<std::string> Summary(const SurfaceMesh& mesh, const Flattening& flat
                                 flat.overlaps ? "; the outline overlaps itself" : ""));
   }
   return lines;
+}
+
+std::string FormatTable(const std::vector<ComparisonPanel>& panels) {
+  std::string out = fmt::format("{:<28}{:>8}{:>10}{:>12}{:>13}{:>10}{:>10}\n", "", "flipped",
+                                "area", "stretch %", "compress. %", "angle °", "ARAP");
+  for (const ComparisonPanel& panel : panels) {
+    if (panel.flat.uv.empty()) {
+      fmt::format_to(std::back_inserter(out), "{:<28}{}\n", panel.label, panel.lines.front());
+      continue;
+    }
+    const Distortion& d = panel.flat.distortion;
+    fmt::format_to(std::back_inserter(out),
+                   "{:<28}{:>8}{:>10.4f}{:>12.3f}{:>13.3f}{:>10.3f}{:>10.4g}\n", panel.label,
+                   d.flipped, d.area_ratio, d.mean_stretch_percent, d.mean_compression_percent,
+                   d.mean_angle_degrees, d.arap_energy);
+  }
+  return out;
 }
 
 }  // namespace arap::cli

@@ -1,10 +1,11 @@
-// What flatten says about its result.
+// What flatten says about its results.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "arap/client/flatten.h"
+#include "core/drawing/comparison.h"
 
 namespace arap::cli {
 
@@ -15,7 +16,8 @@ std::string JsonReport(const SurfaceMesh& mesh, const client::FlatSurface& flat,
                        bool sigma = false);
 // The same in a few lines for people.
 std::vector<std::string> Summary(const SurfaceMesh& mesh, const Flattening& flat);
-// The two lines of it about strain, angles and energies.
-std::vector<std::string> Measures(const Distortion& distortion);
+
+// A line for people with the measures of each panel.
+std::string FormatTable(const std::vector<ComparisonPanel>& panels);
 
 }  // namespace arap::cli

@@ -8,6 +8,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/connect/connection.h"
 #include "client/cli/report.h"
+#include "core/base/try.h"
 
 namespace arap::cli {
 namespace {
@@ -32,24 +33,22 @@ nlohmann::ordered_json LimitsJson(const client::Limits& limits) {
   return json;
 }
 
-int RunInfo(const InfoOptions& options) {
-  const Result<Connection> connection = Connection::Open(options.server);
-  if (!connection) return Complain(connection.error());
-  const Result<client::ServerInfo> info = connection->client().GetServerInfo();
-  if (!info) return Complain(info.error());
-  const nlohmann::ordered_json limits = LimitsJson(info->limits);
+Status Info(const InfoOptions& options) {
+  TRY(const Connection connection, Connection::Open(options.server));
+  TRY(const client::ServerInfo info, connection.client().GetServerInfo({std::chrono::seconds(30)}));
+  const nlohmann::ordered_json limits = LimitsJson(info.limits);
   if (options.json) {
-    const nlohmann::ordered_json json{{"version", info->version},
-                                      {"workers", info->workers},
+    const nlohmann::ordered_json json{{"version", info.version},
+                                      {"workers", info.workers},
                                       {"limits", limits},
-                                      {"capabilities", info->capabilities}};
-    fmt::print("{}\n", json.dump(2));
-    return kOk;
+                                      {"capabilities", info.capabilities}};
+    fmt::print("{}", JsonText(json));
+    return {};
   }
-  fmt::print("version       {}\nworkers       {}\n", info->version, info->workers);
-  fmt::print("capabilities  {}\n", fmt::join(info->capabilities, " "));
+  fmt::print("version       {}\nworkers       {}\n", Printable(info.version), info.workers);
+  fmt::print("capabilities  {}\n", Printable(fmt::format("{}", fmt::join(info.capabilities, " "))));
   for (const auto& [name, value] : limits.items()) fmt::print("{:<28} {}\n", name, value.dump());
-  return kOk;
+  return {};
 }
 
 }  // namespace
@@ -59,7 +58,7 @@ void AddInfo(CLI::App& app, Run& run) {
   CLI::App* const command = app.add_subcommand("info", "Version, limits and capabilities");
   AddServerFlags(*command, options->server);
   command->add_flag("--json", options->json, "answer in JSON");
-  command->callback([options, &run] { run = [options] { return RunInfo(*options); }; });
+  SetAction(*command, run, options, &Info);
 }
 
 }  // namespace arap::cli

@@ -115,7 +115,7 @@ Status Report(const LoadOptions& options, const LoadResult& result) {
                                     {"streams_refused", samples.refused_micros.size()},
                                     {"refused_micros", ToJson(refused)},
                                     {"errors", samples.errors}};
-  return WriteTextFile(options.json, json.dump(2) + "\n");
+  return WriteTextFile(options.json, JsonText(json));
 }
 
 int RunLoad(const LoadOptions& options) {

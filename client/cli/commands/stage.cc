@@ -1,11 +1,12 @@
 #include "client/cli/commands/stage.h"
 
+#include <climits>
 #include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "client/cli/commands/option_names.h"
+#include "client/cli/commands/commands.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
 #include "core/files/mesh_file.h"
@@ -18,6 +19,7 @@ void AddStageOptions(CLI::App& command, StageOptions& options, bool out_required
   command.add_option("TRACK", options.track, "the handles and their frames: TRACK.json")
       ->required();
   AddServerFlags(command, options.server);
+  AddTimeout(command, options.timeout);
   CLI::Option* const out =
       command.add_option("--out", options.out, "write the shapes, a row per frame")
           ->option_text(out_required ? "FILE.csv REQUIRED" : "FILE.csv");
@@ -26,12 +28,20 @@ void AddStageOptions(CLI::App& command, StageOptions& options, bool out_required
       ->option_text("FILE.svg");
   command.add_option("--frames-svg", options.frames_svg, "write a sheet of eight frames")
       ->option_text("FILE.svg");
-  AddEnergyOptions(command, options.energy);
+  AddBasis(command, options.energy.basis, /*planar=*/true, "what moves rigidly; default edge");
+  AddWeights(command, options.energy.weights, "of the edges; default uniform");
   CLI::Option* const as_published = command.add_flag(
       "--as-published", options.as_published,
       "the method as it was published: basis edge-as-published with uniform weights");
   as_published->excludes("--basis")->excludes("--weights");
-  AddDeformOptions(command, options.deform);
+  AddChoice<DeformMode>(command, "--mode", options.deform.mode,
+                        {{"rigid", DeformMode::kRigid},
+                         {"similarity", DeformMode::kSimilarity},
+                         {"baseline", DeformMode::kBaseline}},
+                        "what to minimise; default rigid");
+  command.add_option("--refine", options.deform.refine, "further iterations of the second step")
+      ->check(CLI::Range(0, INT_MAX).description(""))
+      ->option_text("N");
   command.add_flag("--hard", options.hard,
                    "meet the targets exactly, whatever weight the track gives");
 }
@@ -54,7 +64,8 @@ Result<Stage> Stage::Open(const StageOptions& options) {
   TRY(PlanarMesh mesh, ReadPlanarMesh(options.mesh));
   TRY(Track track, ReadTrack(options.track));
   TRY(Connection connection, Connection::Open(options.server));
-  TRY(client::Session session, connection.client().CreateSession());
+  const client::CallOptions call{options.timeout.value()};
+  TRY(client::Session session, connection.client().CreateSession({}, call));
   Stage stage(std::move(connection), std::move(session), std::move(mesh), std::move(track));
 
   EnergyOptions energy = options.energy;
@@ -63,10 +74,11 @@ Result<Stage> Stage::Open(const StageOptions& options) {
     energy.weights = Weights::kUniform;
   }
   energy.rigidity = stage.track_.rigidity;
-  TRY(const auto registered, stage.session().RegisterMesh(stage.mesh_, energy));
+  TRY(const auto registered, stage.session().RegisterMesh(stage.mesh_, energy, {}, call));
   PrintWarnings(registered.mesh.report.warnings);
-  TRY(const auto compiled, stage.session().CompileHandles(kHandleSet, registered.mesh.id,
-                                                          ToHandles(stage.track_, options.hard)));
+  TRY(const auto compiled,
+      stage.session().CompileHandles(kHandleSet, registered.mesh.id,
+                                     ToHandles(stage.track_, options.hard), call));
   PrintWarnings(compiled.handle_set.warnings);
   stage.register_micros_ = registered.solve_micros;
   stage.compile_micros_ = compiled.solve_micros;
@@ -81,9 +93,9 @@ FilmMaker::FilmMaker(const StageOptions& options, const Stage& stage)
   film_.triangles = stage.mesh().triangles;
 }
 
-void FilmMaker::Add(std::size_t frame, const client::Shape& shape) {
+void FilmMaker::Add(std::size_t frame, std::vector<Complex> positions) {
   if (svg_.empty() && frames_svg_.empty()) return;
-  film_.shapes.push_back(shape.positions);
+  film_.shapes.push_back(std::move(positions));
   film_.handles.push_back(HandlesAt(frame));
   film_.numbers.push_back(frame);
 }

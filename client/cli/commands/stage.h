@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "arap/client/client.h"
+#include "client/cli/commands/commands.h"
 #include "client/cli/connect/connection.h"
 #include "core/drawing/film.h"
 #include "core/files/track.h"
@@ -25,6 +26,7 @@ struct StageOptions {
   std::string frames_svg;  // contact sheet, or empty
   EnergyOptions energy;
   DeformOptions deform;
+  Timeout timeout;
   bool as_published = false;
   bool hard = false;
 };
@@ -72,7 +74,7 @@ class FilmMaker {
  public:
   FilmMaker(const StageOptions& options, const Stage& stage);
 
-  void Add(std::size_t frame, const client::Shape& shape);
+  void Add(std::size_t frame, std::vector<Complex> positions);
   // Writes the pictures that were asked for.
   Status Write(const std::string& caption);
 

@@ -9,8 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "client/cli/answers.h"
 #include "client/cli/report.h"
-#include "client/cli/sample/grid.h"
+#include "client/cli/sample/planar.h"
 #include "core/base/try.h"
 
 namespace arap::cli {
@@ -61,15 +62,8 @@ const client::Shape* CheckReply(const Result<std::optional<client::StreamEvent>>
     NoteBadReply("not the answer to the update", samples);
     return nullptr;
   }
-  if (shape->positions.size() != length) {
-    NoteBadReply(fmt::format("{} positions, expected {}", shape->positions.size(), length),
-                 samples);
-    return nullptr;
-  }
-  if (!std::all_of(shape->positions.begin(), shape->positions.end(), [](Complex at) {
-        return std::isfinite(at.real()) && std::isfinite(at.imag());
-      })) {
-    NoteBadReply("a position is not finite", samples);
+  if (const Status fits = CheckShape(*shape, length); !fits) {
+    NoteBadReply(fits.error().message, samples);
     return nullptr;
   }
   return shape;

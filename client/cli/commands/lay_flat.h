@@ -1,15 +1,23 @@
-// One surface laid flat by several methods.
+// A surface laid flat: by one method while a person waits, and by several to compare them.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "arap/base/result.h"
-#include "arap/client/flatten.h"
+#include "arap/client/client.h"
 #include "core/drawing/comparison.h"
 
 namespace arap::cli {
+
+// Flattens in double precision with singular values, and checks that the answer fits the mesh. When
+// that takes more than a second, a terminal is told what is going on and for how long. Ctrl-C
+// cancels the call (kCancelled), a second one ends the program. Not from several threads at once.
+Result<client::FlatSurface> FlattenWaiting(const client::Client& client, const SurfaceMesh& mesh,
+                                           client::FlattenQuery query,
+                                           std::chrono::milliseconds timeout,
+                                           const std::string& what);
 
 // Flattens with the given options; `what` says which method it is for.
 using FlattenCall = std::function<Result<client::FlatSurface>(const client::FlattenQuery& query,
@@ -21,8 +29,5 @@ using FlattenCall = std::function<Result<client::FlatSurface>(const client::Flat
 // answered only when all fail, or at once when the call was cancelled or came too late.
 Result<std::vector<ComparisonPanel>> CompareMethods(const client::FlattenQuery& base,
                                                     const FlattenCall& flatten);
-
-// A line for people with the measures of each panel.
-std::string FormatTable(const std::vector<ComparisonPanel>& panels);
 
 }  // namespace arap::cli

@@ -1,8 +1,9 @@
 // Several methods side by side, without a server.
-#include "client/cli/commands/compare.h"
+#include "client/cli/commands/lay_flat.h"
 
 #include <gmock/gmock.h>
 
+#include "client/cli/commands/flatten_report.h"
 #include "core/drawing/comparison.h"
 
 namespace arap::cli {

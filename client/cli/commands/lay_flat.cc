@@ -1,12 +1,16 @@
-#include "client/cli/commands/compare.h"
+#include "client/cli/commands/lay_flat.h"
 
-#include <iterator>
+#include <cstddef>
 #include <optional>
+#include <stop_token>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "client/cli/answers.h"
+#include "client/cli/patience.h"
 #include "client/cli/report.h"
+#include "core/base/try.h"
 
 namespace arap::cli {
 namespace {
@@ -48,6 +52,23 @@ bool EndsAll(FaultKind kind) {
 
 }  // namespace
 
+Result<client::FlatSurface> FlattenWaiting(const client::Client& client, const SurfaceMesh& mesh,
+                                           client::FlattenQuery query,
+                                           std::chrono::milliseconds timeout,
+                                           const std::string& what) {
+  query.float64 = true;
+  query.singular_values = true;
+  std::stop_source stop;
+  // The call ends by itself; this is for one that does not.
+  constexpr std::chrono::seconds kLonger{5};
+  Patience patience(
+      timeout + kLonger, [&stop] { stop.request_stop(); }, what);
+  Result<client::FlatSurface> answer = client.Flatten(mesh, query, {timeout, stop.get_token()});
+  if (!answer) return Fail(patience.Explain(answer.error()));
+  CHECK_OK(CheckLayout(answer->flat, mesh));
+  return answer;
+}
+
 Result<std::vector<ComparisonPanel>> CompareMethods(const client::FlattenQuery& base,
                                                     const FlattenCall& flatten) {
   std::vector<ComparisonPanel> panels;
@@ -71,29 +92,12 @@ Result<std::vector<ComparisonPanel>> CompareMethods(const client::FlattenQuery& 
       continue;
     }
     if (EndsAll(flat.error().kind)) return Fail(flat.error());
-    panel.lines = {"no layout: " + ReasonOf(flat.error()), flat.error().message};
+    panel.lines = {"no layout: " + ReasonOf(flat.error()), Printable(flat.error().message)};
     last = flat.error();
     ++failed;
   }
   if (failed == contestants.size()) return Fail(*last);
   return panels;
-}
-
-std::string FormatTable(const std::vector<ComparisonPanel>& panels) {
-  std::string out = fmt::format("{:<28}{:>8}{:>10}{:>12}{:>13}{:>10}{:>10}\n", "", "flipped",
-                                "area", "stretch %", "compress. %", "angle °", "ARAP");
-  for (const ComparisonPanel& panel : panels) {
-    if (panel.flat.uv.empty()) {
-      fmt::format_to(std::back_inserter(out), "{:<28}{}\n", panel.label, panel.lines.front());
-      continue;
-    }
-    const Distortion& d = panel.flat.distortion;
-    fmt::format_to(std::back_inserter(out),
-                   "{:<28}{:>8}{:>10.4f}{:>12.3f}{:>13.3f}{:>10.3f}{:>10.4g}\n", panel.label,
-                   d.flipped, d.area_ratio, d.mean_stretch_percent, d.mean_compression_percent,
-                   d.mean_angle_degrees, d.arap_energy);
-  }
-  return out;
 }
 
 }  // namespace arap::cli
