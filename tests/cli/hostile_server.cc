@@ -73,6 +73,10 @@ class HostileServer::Services {
       all.set_ = response->handle_set();
       return Status::OK;
     }
+    Status Deform(Context*, const v1::DeformRequest*, v1::DeformResponse* response) override {
+      *response->mutable_shape() = all.Shape(0);
+      return all.script_.deform ? all.script_.deform(*response) : Status::OK;
+    }
     Status DeformTrack(Context*, const v1::DeformTrackRequest* request, Track* track) override {
       if (all.script_.track) return all.script_.track(*request, *track);
       for (int i = 0; i < request->frames_size(); ++i) {

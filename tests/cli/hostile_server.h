@@ -26,6 +26,7 @@ class HostileServer {
   struct Script {
     std::function<grpc::Status(v1::GetServerInfoResponse&)> info;
     std::function<grpc::Status(v1::RegisterMeshResponse&)> mesh;
+    std::function<grpc::Status(v1::DeformResponse&)> deform;
     std::function<grpc::Status(const v1::FlattenRequest&, v1::FlattenResponse&)> flatten;
     std::function<grpc::Status(const v1::DeformTrackRequest&, Track&)> track;
     std::function<grpc::Status(Stream&)> stream;

@@ -151,6 +151,14 @@ TEST_P(HostileShape, InAStreamIsRefused) {
 INSTANTIATE_TEST_SUITE_P(All, HostileShape, testing::ValuesIn(WrongShapes()),
                          [](const auto& info) { return info.param.name; });
 
+TEST_F(Hostile, AFigureOfAnEmptyShapeIsRefused) {
+  Serve({.deform = [](v1::DeformResponse& response) {
+    response.mutable_shape()->clear_positions64();
+    return grpc::Status::OK;
+  }});
+  ExpectRefused(Run("figures", {"--out", Path("")}));
+}
+
 TEST_F(Hostile, ATrackWithoutEndEndsAfterItsFrames) {
   Serve({.track = [this](const auto&, HostileServer::Track& track) {
     v1::DeformTrackResponse response;

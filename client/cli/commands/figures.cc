@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "client/cli/answers.h"
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/lay_flat.h"
 #include "client/cli/connect/connection.h"
@@ -47,11 +48,14 @@ class Puppet {
   Status AddPose(Basis basis, DeformMode mode, double spread, std::string label) {
     const std::string id = fmt::format("figure-{}", poses_++);
     const EnergyOptions energy{basis, Weights::kUniform, {}};
-    TRY([[maybe_unused]] const auto mesh, session_.RegisterMesh(mesh_, energy, id));
+    const client::CallOptions call{Timeout().value()};
+    TRY([[maybe_unused]] const auto mesh, session_.RegisterMesh(mesh_, energy, id, call));
     TRY([[maybe_unused]] const auto set,
-        session_.CompileHandles(id, id, ToHandles(track_, /*hard=*/false)));
+        session_.CompileHandles(id, id, ToHandles(track_, /*hard=*/false), call));
     const std::vector<HandleTarget> targets = Pose(spread);
-    TRY(const client::Shape shape, session_.Deform(id, targets, {{mode, 0}, /*float64=*/true}));
+    TRY(const client::Shape shape,
+        session_.Deform(id, targets, {{mode, 0}, /*float64=*/true}, {}, call));
+    CHECK_OK(CheckShape(shape, mesh_.vertices.size()));
     std::vector<Complex> handles;
     for (const HandleTarget& t : targets) handles.push_back(t.target.position);
     AddPanel(shape.positions, std::move(handles), std::move(label));
@@ -95,7 +99,8 @@ class Puppet {
 };
 
 Status DrawDeformations(const client::Client& client, const std::string& folder) {
-  TRY(const client::Session session, client.CreateSession());
+  const client::CallOptions call{Timeout().value()};
+  TRY(const client::Session session, client.CreateSession({}, call));
   Puppet puppet(session);
 
   puppet.AddRest("handles");
@@ -111,7 +116,7 @@ Status DrawDeformations(const client::Client& client, const std::string& folder)
     CHECK_OK(puppet.AddPose(basis, DeformMode::kRigid, 1.15, label));
   }
   const Film third = puppet.Take("One pose in the three representations");
-  CHECK_OK(session.Delete());
+  CHECK_OK(session.Delete(call));
   CHECK_OK(WriteTextFile(folder + "/figure2.svg", FormatSheet(second, 3)));
   return WriteTextFile(folder + "/figure3.svg", FormatSheet(third, 3));
 }

@@ -5,8 +5,6 @@
 
 #include <gmock/gmock.h>
 
-#include "core/drawing/front_view.h"
-
 namespace arap {
 namespace {
 
