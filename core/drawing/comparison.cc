@@ -74,27 +74,33 @@ double Area(const Polygon& polygon) {
   return std::abs(twice) / 2;
 }
 
+// The rows of squares between two numbers, by their lower ends; none when there are too many, or
+// when the numbers are so large that rows cannot be told apart.
+std::vector<double> Rows(double low, double high) {
+  constexpr double kMostSquares = 200;  // across a triangle; finer ones would be a grey anyway
+  constexpr double kFarthest = 1e9;
+  std::vector<double> rows;
+  if (!(high - low < kMostSquares && std::abs(low) < kFarthest)) return rows;
+  for (double row = std::floor(low); row < high; ++row) rows.push_back(row);
+  return rows;
+}
+
 // The parts of a triangle in dark squares.
 std::vector<Polygon> DarkParts(const Polygon& triangle) {
-  constexpr double kSpeck = 1e-6;       // of a square: nobody would see it
-  constexpr double kMostSquares = 200;  // across a triangle; finer ones would be a grey anyway
+  constexpr double kSpeck = 1e-6;  // of a square: nobody would see it
+  const auto rows_of = [](const Polygon& polygon, auto coordinate) {
+    double low = INFINITY, high = -INFINITY;
+    for (const Corner& c : polygon) {
+      low = std::min(low, coordinate(c.uv));
+      high = std::max(high, coordinate(c.uv));
+    }
+    return Rows(low, high);
+  };
   std::vector<Polygon> parts;
-  double low_u = INFINITY, high_u = -INFINITY;
-  for (const Corner& c : triangle) {
-    low_u = std::min(low_u, c.uv.real());
-    high_u = std::max(high_u, c.uv.real());
-  }
-  if (!(high_u - low_u < kMostSquares)) return parts;
-  for (double u = std::floor(low_u); u < high_u; ++u) {
+  for (const double u : rows_of(triangle, [](Complex p) { return p.real(); })) {
     const Polygon column = Clip(Clip(triangle, [u](Complex p) { return p.real() - u; }),
                                 [u](Complex p) { return u + 1 - p.real(); });
-    double low_v = INFINITY, high_v = -INFINITY;
-    for (const Corner& c : column) {
-      low_v = std::min(low_v, c.uv.imag());
-      high_v = std::max(high_v, c.uv.imag());
-    }
-    if (!(high_v - low_v < kMostSquares)) continue;
-    for (double v = std::floor(low_v); v < high_v; ++v) {
+    for (const double v : rows_of(column, [](Complex p) { return p.imag(); })) {
       if (std::fmod(std::abs(u + v), 2) != 0) continue;
       Polygon part = Clip(Clip(column, [v](Complex p) { return p.imag() - v; }),
                           [v](Complex p) { return v + 1 - p.imag(); });

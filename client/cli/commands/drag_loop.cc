@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <condition_variable>
+#include <mutex>
 #include <thread>
 #include <utility>
 
@@ -170,9 +172,13 @@ Result<DragTimes> DragLatest(client::DeformStream& stream, const DragScript& scr
     return start + std::chrono::duration_cast<Clock::duration>(after);
   };
   const std::jthread writer([&](const std::stop_token& stop) {
+    std::mutex mutex;
+    std::condition_variable_any wake;  // by the stop alone
     for (std::size_t i = 0; i < script.frame_count() && !stop.stop_requested(); ++i) {
-      std::this_thread::sleep_until(due(i));
-      if (!script.SendEdit(stream, i) || !script.SendUpdate(stream, i)) break;
+      std::unique_lock lock(mutex);
+      wake.wait_until(lock, stop, due(i), [] { return false; });
+      if (stop.stop_requested() || !script.SendEdit(stream, i) || !script.SendUpdate(stream, i))
+        break;
     }
     (void)stream.CloseSending();
   });

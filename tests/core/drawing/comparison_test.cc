@@ -55,6 +55,17 @@ TEST(CheckeredSurface, CoversHalfOfItWithDarkSquares) {
   EXPECT_THAT(dark, HasSubstr("M100 200l100 0"));
 }
 
+TEST(CheckeredSurface, EndsWhereOneMoreIsNoLarger) {
+  const FrontView front(kSquare);
+  Bounds bounds;
+  bounds.Add(front.points());
+  Flattening flat = FlatSquare();
+  for (Complex& p : flat.uv) p += Complex(1e20, 1e20);
+  const std::string svg = CheckeredSurface(kSquare, front, flat.uv, flat.corner_uv, /*square=*/1,
+                                           View(bounds, 0, 0, 200, 200));
+  EXPECT_EQ(Count(svg, "<path"), 1u);
+}
+
 TEST(Comparison, APanelWithoutALayoutShowsItsLinesAlone) {
   const std::vector<ComparisonPanel> panels{{"unrolled", FlatSquare(), {"nothing is bent"}},
                                             {"impossible", {}, {"it cannot be unfolded"}}};
