@@ -24,12 +24,12 @@ class HostileServer {
   // Called on the server's threads. What is empty is answered rightly: meshes and handles are
   // accepted, every shape is the rest shape.
   struct Script {
-    std::function<grpc::Status(v1::GetServerInfoResponse&)> info;
-    std::function<grpc::Status(v1::RegisterMeshResponse&)> mesh;
-    std::function<grpc::Status(v1::DeformResponse&)> deform;
-    std::function<grpc::Status(const v1::FlattenRequest&, v1::FlattenResponse&)> flatten;
-    std::function<grpc::Status(const v1::DeformTrackRequest&, Track&)> track;
-    std::function<grpc::Status(Stream&)> stream;
+    std::function<grpc::Status(v1::GetServerInfoResponse&)> info = {};
+    std::function<grpc::Status(v1::RegisterMeshResponse&)> mesh = {};
+    std::function<grpc::Status(v1::DeformResponse&)> deform = {};
+    std::function<grpc::Status(const v1::FlattenRequest&, v1::FlattenResponse&)> flatten = {};
+    std::function<grpc::Status(const v1::DeformTrackRequest&, Track&)> track = {};
+    std::function<grpc::Status(Stream&)> stream = {};
   };
 
   // Listens on a free port of 127.0.0.1.

@@ -149,7 +149,7 @@ TEST_P(HostileShape, InAStreamIsRefused) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, HostileShape, testing::ValuesIn(WrongShapes()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& wrong) { return wrong.param.name; });
 
 TEST_F(Hostile, AFigureOfAnEmptyShapeIsRefused) {
   Serve({.deform = [](v1::DeformResponse& response) {
@@ -228,14 +228,14 @@ TEST_F(Hostile, OneThatIsSilentIsLeft) {
 TEST_F(Hostile, LayoutsThatDoNotFitAreRefused) {
   const auto right = [](v1::FlattenResponse& flat) {
     for (const double x : {0, 0, 1, 0, 1, 1, 0, 1}) flat.add_uv64(x);
-    for (const std::uint32_t v : {0, 1, 2, 3}) flat.add_uv_vertex(v);
-    for (const std::uint32_t v : {0, 1, 2, 0, 2, 3}) flat.add_corner_uv(v);
+    for (const std::uint32_t v : {0U, 1U, 2U, 3U}) flat.add_uv_vertex(v);
+    for (const std::uint32_t v : {0U, 1U, 2U, 0U, 2U, 3U}) flat.add_corner_uv(v);
     for (int i = 0; i < 4; ++i) flat.add_singular_values(1);
     for (int i = 0; i < 2; ++i) flat.add_triangle_chart(0);
     v1::FlatChart& chart = *flat.add_charts();
     chart.set_triangle_count(2);
     v1::FlatLoop& loop = *chart.add_loops();
-    for (const std::uint32_t v : {0, 1, 2, 3}) loop.add_uv_indices(v);
+    for (const std::uint32_t v : {0U, 1U, 2U, 3U}) loop.add_uv_indices(v);
   };
   const std::vector<std::function<void(v1::FlattenResponse&)>> wrong{
       [](auto& flat) { flat.Clear(); },
@@ -249,7 +249,7 @@ TEST_F(Hostile, LayoutsThatDoNotFitAreRefused) {
       [](auto& flat) { flat.clear_singular_values(); },
       [](auto& flat) { flat.set_triangle_chart(1, 7); },
       [](auto& flat) {
-        for (const std::uint32_t v : {9, 0}) flat.add_cut_edges(v);
+        for (const std::uint32_t v : {9U, 0U}) flat.add_cut_edges(v);
       },
       [](auto& flat) { flat.add_left_out_triangles(2); },
       [](auto& flat) { flat.mutable_charts(0)->mutable_loops(0)->set_uv_indices(0, 99); },
