@@ -42,7 +42,7 @@ class HostileServer::Services {
   using Status = grpc::Status;
 
   struct Deformation final : v1::DeformationService::Service {
-    explicit Deformation(Services& all) : all(all) {}
+    explicit Deformation(Services& services) : all(services) {}
 
     Status CreateSession(Context*, const v1::CreateSessionRequest* request,
                          v1::CreateSessionResponse* response) override {
@@ -122,7 +122,7 @@ class HostileServer::Services {
   };
 
   struct Flattening final : v1::FlatteningService::Service {
-    explicit Flattening(Services& all) : all(all) {}
+    explicit Flattening(Services& services) : all(services) {}
     Status Flatten(Context*, const v1::FlattenRequest* request,
                    v1::FlattenResponse* response) override {
       return all.script_.flatten ? all.script_.flatten(*request, *response) : Status::OK;
@@ -131,7 +131,7 @@ class HostileServer::Services {
   };
 
   struct Facts final : v1::ServerService::Service {
-    explicit Facts(Services& all) : all(all) {}
+    explicit Facts(Services& services) : all(services) {}
     Status GetServerInfo(Context*, const v1::GetServerInfoRequest*,
                          v1::GetServerInfoResponse* response) override {
       return all.script_.info ? all.script_.info(*response) : Status::OK;

@@ -197,6 +197,17 @@ TEST_F(Hostile, AStreamThatAnswersOneUpdateForEverIsLeft) {
   ExpectRefused(Run("drag", {"--delivery", "every"}));
 }
 
+TEST_F(Hostile, AStreamThatEndsWithoutItsAnswersIsRefused) {
+  Serve({.stream = [](HostileServer::Stream& stream) {
+    for (v1::StreamDeformRequest request; stream.Read(&request);) {
+    }
+    return grpc::Status::OK;
+  }});
+  const Outcome outcome = Run("drag", {"--rate", "10000"});
+  ExpectRefused(outcome);
+  EXPECT_THAT(outcome.err, HasSubstr("ended the stream early"));
+}
+
 TEST_F(Hostile, OneThatOnlyPongsIsLeft) {
   Serve({.stream = [](HostileServer::Stream& stream) {
     for (v1::StreamDeformRequest request; stream.Read(&request);) {
@@ -207,7 +218,7 @@ TEST_F(Hostile, OneThatOnlyPongsIsLeft) {
     }
     return grpc::Status::OK;
   }});
-  const Outcome outcome = Run("drag", {"--timeout", "1"});
+  const Outcome outcome = Run("drag", {"--timeout", "1", "--rate", "1"});
   ExpectRefused(outcome);
   EXPECT_THAT(outcome.err, HasSubstr("DEADLINE_EXCEEDED"));
 }

@@ -1,4 +1,5 @@
 // arapctl drag: a track through a live stream, as an interactive client would.
+#include <algorithm>
 #include <istream>
 #include <iterator>
 #include <memory>
@@ -116,7 +117,7 @@ Status Drag(const DragOptions& options) {
   }
   FilmMaker film(options.stage, stage);
   client::StreamOptions how{options.delivery, {options.stage.deform, shapes.has_value()}};
-  how.silence = options.stage.timeout.value();
+  how.silence = std::max(how.silence, options.stage.timeout.value());
   TRY(client::DeformStream stream, stage.session().OpenStream(kHandleSet, how));
 
   const bool every = options.delivery == client::Delivery::kEvery;

@@ -34,6 +34,8 @@ auto NotAsked() {
   return Fail(FaultKind::kInternal, "The server answered something that was not asked.");
 }
 
+auto EndedEarly() { return Fail(FaultKind::kInternal, "The server ended the stream early."); }
+
 // The answers of a stream in the order of the script, each of them once.
 class Answers {
  public:
@@ -60,6 +62,12 @@ class Answers {
       return NotAsked();
     }
     return std::optional<Answer>({*cue, std::move(*shape)});
+  }
+
+  // Whether the last frame has its answer, which no newer update can replace.
+  bool HasAll() const {
+    const std::size_t frames = script_.frame_count();
+    return frames == 0 || last_ == UpdateSequence(frames - 1);
   }
 
  private:
@@ -150,7 +158,7 @@ Result<DragTimes> DragEvery(client::DeformStream& stream, const DragScript& scri
     const Clock::time_point sent = Clock::now();
     (void)(script.*send)(stream, frame);
     TRY(std::optional<Answer> answer, answers.Next());
-    if (!answer) return Fail(FaultKind::kInternal, "The server ended the stream early.");
+    if (!answer) return EndedEarly();
     const bool edit = send == &DragScript::SendEdit;
     if (answer->cue.frame != frame || answer->cue.edit != edit) return NotAsked();
     return Count(*answer, MicrosSince(sent), script, on_shape, times);
@@ -186,7 +194,10 @@ Result<DragTimes> DragLatest(client::DeformStream& stream, const DragScript& scr
   const Status read = [&]() -> Status {
     for (Answers answers(stream, script);;) {
       TRY(std::optional<Answer> answer, answers.Next());
-      if (!answer) return {};
+      if (!answer) {
+        if (answers.HasAll()) return {};
+        return EndedEarly();
+      }
       CHECK_OK(Count(*answer, MicrosSince(due(answer->cue.frame)), script, on_shape, times));
     }
   }();
