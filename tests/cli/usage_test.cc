@@ -34,6 +34,10 @@ TEST_F(Usage, WrongCommandLinesEndWithTwo) {
       {"bake"},
       {"info"},                                // neither --server nor --spawn
       {"info", "--spawn", "--server", "a:1"},  // both
+      // Secrets are in files or the environment: every user of the machine sees command lines.
+      {"info", "--server", "a:1", "--token", "t"},
+      {"bake", "a.obj", "b.json", "--spawn", "--out", "c", "--timeout", "0"},
+      {"drag", "a.obj", "b.json", "--spawn", "--timeout", "nan"},
       {"bake", "a.obj", "b.json", "--spawn"},  // no --out
       {"bake", "a.obj", "b.json", "--spawn", "--out", "c", "--basis", "cube"},
       {"bake", "a.obj", "b.json", "--spawn", "--out", "c", "--as-published", "--basis", "edge"},
