@@ -44,11 +44,6 @@ Fault Overloaded() {
   return Fault(FaultKind::kOverloaded, "All workers are busy and the queue is full.");
 }
 
-Fault OutOfMemory() {
-  return Fault(FaultKind::kLimitExceeded, "There is no memory for this on the machine just now.")
-      .Detail("quota", "memory");
-}
-
 Fault WithOutlook(Fault fault, std::size_t place, std::chrono::duration<double> wait) {
   constexpr double kLeast = 50;
   constexpr double kMost = 60'000;

@@ -4,11 +4,9 @@
 
 #include <chrono>
 #include <cstddef>
-#include <new>
 #include <string_view>
 
 #include "arap/base/fault.h"
-#include "arap/base/result.h"
 
 namespace arap::app {
 
@@ -25,9 +23,6 @@ Fault QuotaFull(std::string_view quota, std::size_t limit);
 // TooLarge("The message", "max_message_bytes", 200, 100).
 Fault TooLarge(std::string_view what, std::string_view quota, std::size_t count, std::size_t limit);
 
-// kLimitExceeded: the machine has no memory left, whatever the budgets say.
-Fault OutOfMemory();
-
 // kOverloaded: a lane has no room for another job.
 Fault Overloaded();
 
@@ -37,16 +32,5 @@ Fault WithOutlook(Fault fault, std::size_t place, std::chrono::duration<double> 
 
 // With no time to try again: the same request never fits.
 Fault ForEver(Fault fault);
-
-// The edge of a job: what `work` answers, or kLimitExceeded when an allocation failed in it. Nothing
-// that `work` has made is left then.
-template <class Work>
-auto WithinMemory(Work&& work) -> decltype(work()) {
-  try {
-    return work();
-  } catch (const std::bad_alloc&) {
-    return Fail(OutOfMemory());
-  }
-}
 
 }  // namespace arap::app

@@ -1,6 +1,8 @@
 #include "server/rpc/costs.h"
 
-#include "arap/model/flatten.h"
+#include "arap/core/flattener.h"
+#include "proto/convert/flatten.h"
+#include "proto/convert/shape.h"
 #include "server/budget/estimate.h"
 #include "server/engine.h"
 #include "server/sessions/rebuild.h"
@@ -13,26 +15,25 @@ using app::Warmth;
 // Of what is to be built from a mesh that is not in memory: long, and nothing more is known.
 constexpr Expected kCold{true, 1};
 
-std::size_t VerticesOf(const CompiledHandles& handles) {
-  return handles.mesh()->mesh().vertices.size();
-}
-
-// As app::RowsOf, before the handles are read.
-std::size_t RowsOf(const google::protobuf::RepeatedPtrField<v1::Handle>& handles,
-                   std::size_t vertices) {
-  std::size_t rows = 0;
+// What CountRows will find, before the handles are read.
+RowCount RowsOf(const google::protobuf::RepeatedPtrField<v1::Handle>& handles,
+                std::size_t vertices) {
+  RowCount count;
   for (const v1::Handle& handle : handles) {
+    const bool area = handle.area_radius() > 0;
     const std::size_t held = handle.oriented() ? 3 : 1;
-    rows += handle.area_radius() > 0 ? vertices : held;
+    count.rows += area ? vertices : held;
+    if (handle.hard() && !area && handle.anchor_case() != v1::Handle::kVertex) count.inside += held;
+    if (handle.depth() != 0) ++count.depths;
   }
-  return rows;
+  return count;
 }
 
 }  // namespace
 
 Expected ExpectedOf(app::Engine&, const app::Session*, const v1::RegisterMeshRequest& request) {
   const auto vertices = static_cast<std::size_t>(request.mesh().vertices_size()) / 2;
-  return {false, app::RegistrationSeconds(vertices)};
+  return {false, app::SecondsOf(EstimateRegistration(vertices, Basis::kEdge))};
 }
 
 Expected ExpectedOf(app::Engine& engine, const app::Session* session,
@@ -49,7 +50,8 @@ Expected ExpectedOf(app::Engine& engine, const app::Session* session,
   if (mesh.warmth == Warmth::kMissing) return {};
   if (mesh.warmth == Warmth::kCold) return kCold;
   const std::size_t vertices = mesh.mesh->mesh().vertices.size();
-  return {false, app::CompilationSeconds(vertices, RowsOf(request.handles(), vertices))};
+  return {false,
+          app::SecondsOf(EstimateCompilation(*mesh.mesh, RowsOf(request.handles(), vertices)))};
 }
 
 Expected ExpectedOf(app::Engine& engine, const app::Session* session,
@@ -58,17 +60,16 @@ Expected ExpectedOf(app::Engine& engine, const app::Session* session,
   const auto set = app::PeekHandleSet(engine, *session, request.handle_set_id());
   if (set.warmth == Warmth::kMissing) return {};
   if (set.warmth == Warmth::kCold) return kCold;
-  const std::size_t vertices = VerticesOf(*set.handles);
-  return {false, app::EditSeconds(vertices, set.handles->rows(), RowsOf(request.add(), vertices))};
+  const std::size_t vertices = set.handles->mesh()->mesh().vertices.size();
+  return {false,
+          app::SecondsOf(EstimateEdit(*set.handles, {}, RowsOf(request.add(), vertices)).cost)};
 }
 
 Expected ExpectedOf(app::Engine& engine, const app::Session* session,
                     const v1::GetHandleSetRequest& request) {
   if (session == nullptr) return kCold;
   const auto set = app::PeekHandleSet(engine, *session, request.handle_set_id());
-  if (set.warmth == Warmth::kMissing) return {};
-  if (set.warmth == Warmth::kCold) return kCold;
-  return {false, app::DepthOrderSeconds(*set.handles)};
+  return set.warmth == Warmth::kCold ? kCold : Expected{};
 }
 
 Expected ExpectedOf(app::Engine& engine, const app::Session* session,
@@ -77,17 +78,21 @@ Expected ExpectedOf(app::Engine& engine, const app::Session* session,
   const auto set = app::PeekHandleSet(engine, *session, request.handle_set_id());
   if (set.warmth == Warmth::kMissing) return {};
   if (set.warmth == Warmth::kCold) return kCold;
-  const std::size_t vertices = VerticesOf(*set.handles);
+  const auto options = convert::FromWire(request.options(), engine.limits.max_refine);
+  if (!options) return {};
   const auto picks = static_cast<std::size_t>(request.pick_points_size()) / 2;
-  return {false, app::FrameSeconds(vertices, request.options().refine()) +
-                     app::PickSeconds(vertices, picks)};
+  return {false, app::SecondsOf(EstimateFrame(*set.handles, *options, picks))};
 }
 
-Expected ExpectedOf(app::Engine&, const app::Session*, const v1::FlattenRequest& request) {
+Expected ExpectedOf(app::Engine& engine, const app::Session*, const v1::FlattenRequest& request) {
+  const auto options = convert::FromWire(request, engine.limits.max_refine);
+  if (!options) return {};
+  // By lengths alone: as if it were one chart, which is the most that it can take.
+  const auto vertices = static_cast<std::size_t>(request.mesh().vertices_size()) / 3;
   const auto triangles = static_cast<std::size_t>(request.mesh().triangles_size()) / 3;
-  const std::uint32_t refine =
-      request.has_refine() ? request.refine() : static_cast<std::uint32_t>(kServiceRefine);
-  return {false, app::FlatteningSeconds(triangles, refine)};
+  return {false, 1e-3 * EstimateFlatten({vertices, triangles, 1, vertices}, *options,
+                                        !request.surface_key().empty())
+                            .milliseconds};
 }
 
 }  // namespace arap::rpc

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <arap/v1/deformation_service.pb.h>
 #include <fmt/format.h>
@@ -21,6 +22,7 @@
 #include "server/rpc/long_calls.h"
 #include "server/rpc/rpc_log.h"
 #include "server/runtime/clock.h"
+#include "server/sessions/handle_sets.h"
 #include "server/sessions/rebuild.h"
 #include "server/streams/live_set.h"
 #include "server/streams/stream_policy.h"
@@ -238,13 +240,13 @@ class StreamReactor final
   // frames.
   void RunFind() {
     auto session =
-        app::WithinMemory([&] { return engine_.sessions.Use(caller_.owner, open_.session_id()); });
+        OrOutOfMemory([&] { return engine_.sessions.Use(caller_.owner, open_.session_id()); });
     if (session) {
       session_ = *std::move(session);
       const auto set = app::PeekHandleSet(engine_, *session_, open_.handle_set_id());
       const bool cold = set.warmth == app::Warmth::kCold;
-      job_.seconds = cold ? 1 : set.handles ? app::DepthOrderSeconds(*set.handles) : 0;
-      if (!cold && job_.seconds <= app::kLongFrameSeconds) return RunOpen();
+      if (!cold) return RunOpen();
+      job_.seconds = 1;  // long, and nothing more is known
       if (Post(app::StreamJob::Lane::kJobs, &StreamReactor::RunOpen)) return;
     }
     const MutexLock lock(&mutex_);
@@ -255,7 +257,7 @@ class StreamReactor final
   void RunOpen() {
     auto answer = std::make_unique<Answer>();
     app::LiveHandles set;
-    const Status opened = app::WithinMemory([&]() -> Status {
+    const Status opened = OrOutOfMemory([&]() -> Status {
       CHECK_OK(Open());
       ToWire(live_->entry(), answer->message.mutable_opened()->mutable_handle_set());
       set = {live_->entry().handles, live_->entry().handles->RestTargets()};
@@ -282,13 +284,12 @@ class StreamReactor final
                       .Field("open.delivery")
                       .Detail("value", static_cast<int>(open_.delivery())));
     }
-    const std::size_t vertices = entry.handles->mesh()->mesh().vertices.size();
-    const auto refine = static_cast<std::size_t>(options_.deform.refine);
     {
+      const double seconds = app::SecondsOf(EstimateFrame(*entry.handles, options_.deform));
       const MutexLock lock(&mutex_);
-      CHECK_OK(policy_.AdmitFrames(app::FrameSeconds(vertices, refine)));
+      CHECK_OK(policy_.AdmitFrames(seconds));
     }
-    TRY(live_room_, engine_.derived.Reserve(caller_, app::LiveSetBytes(vertices, 1)));
+    TRY(live_room_, engine_.derived.Reserve(caller_, app::LiveSetBytes(*entry.handles, 1)));
     end_listener_ = session_->AddEndListener(
         [weak = weak_from_this(), ended = app::NotFound("session", open_.session_id())] {
           if (const auto self = weak.lock()) self->End(ended);
@@ -303,7 +304,7 @@ class StreamReactor final
     CpuTimer processor;
     auto answer = std::make_unique<Answer>();
     v1::Shape& shape = *answer->message.mutable_shape();
-    const Status made = app::WithinMemory([&]() -> Status {
+    const Status made = OrOutOfMemory([&]() -> Status {
       TRY(const auto quality,
           live_->Move(job_.targets, options_.deform, engine_.metrics, CancelTokenOf(context_)));
       CHECK_OK(Fill(*live_, quality, working, queue_micros, shape));
@@ -320,20 +321,21 @@ class StreamReactor final
     const double queue_micros = job_.waiting.Micros();
     const runtime::WallTimer working;
     auto answer = std::make_unique<Answer>();
-    auto made = app::WithinMemory([&]() -> Result<app::EditedSet> {
+    auto made = OrOutOfMemory([&]() -> Result<app::EditedSet> {
       TRY(const auto add, FromWire(edit_.add(), "add"));
       // What is added is this stream's own: it counts for as long as the stream has it.
       const app::HandleSetEntry& entry = live_->entry();
-      const std::size_t vertices = entry.handles->mesh()->mesh().vertices.size();
-      const std::size_t rows = entry.handles->rows() + app::RowsOf(add, vertices);
-      TRY(auto room, engine_.derived.Reserve(caller_, app::LiveSetBytes(vertices, 1) +
-                                                          app::CompilationBytes(vertices, rows)));
-      TRY(auto edited,
-          live_->Edited({edit_.remove().begin(), edit_.remove().end()}, add, job_.targets,
-                        options_.deform, engine_.limits, CancelTokenOf(context_), engine_.metrics));
+      const std::vector<std::string> remove(edit_.remove().begin(), edit_.remove().end());
+      const CancelToken cancel = CancelTokenOf(context_);
+      TRY(const arap::Cost cost, app::EditCostOf(entry, remove, add, engine_.limits, cancel));
+      TRY(auto room,
+          engine_.derived.Reserve(caller_, app::LiveSetBytes(*entry.handles, 1) + cost.bytes));
+      TRY(auto edited, live_->Edited(remove, add, job_.targets, options_.deform, engine_.limits,
+                                     cancel, engine_.metrics));
       CHECK_OK(Fill(edited.set, edited.quality, working, queue_micros,
                     *answer->message.mutable_shape()));
-      room.Shrink(app::LiveSetBytes(vertices, 1) + edited.set.entry().handles->bytes());
+      const CompiledHandles& handles = *edited.set.entry().handles;
+      room.Shrink(app::LiveSetBytes(handles, 1) + handles.bytes());
       live_room_ = std::move(room);
       return edited;
     });

@@ -193,7 +193,7 @@ class TrackReactor final
   // The jobs, without mutex_.
 
   void RunPrepare() {
-    const Status prepared = app::WithinMemory([this] { return Prepare(); });
+    const Status prepared = OrOutOfMemory([this] { return Prepare(); });
     const MutexLock lock(&mutex_);
     prepared_ = prepared.has_value();
     if (!prepared && !end_) end_ = prepared.error();
@@ -202,7 +202,7 @@ class TrackReactor final
   }
 
   void RunFrames() {
-    auto frames = app::WithinMemory([this] { return NextFrames(); });
+    auto frames = OrOutOfMemory([this] { return NextFrames(); });
     const MutexLock lock(&mutex_);
     if (frames) {
       next_frame_ += static_cast<int>(frames->size());
@@ -237,10 +237,8 @@ class TrackReactor final
       if (auto targets = TargetsOf(i); !targets) return Fail(std::move(targets.error()));
       CHECK_OK(cancel_.Check());
     }
-    const std::size_t vertices = entry.handles->mesh()->mesh().vertices.size();
-    TRY(live_room_, engine_.derived.Reserve(caller_, app::LiveSetBytes(vertices, kLanes)));
-    frames_seconds_ =
-        kLanes * app::FrameSeconds(vertices, static_cast<std::size_t>(options_.deform.refine));
+    TRY(live_room_, engine_.derived.Reserve(caller_, app::LiveSetBytes(*entry.handles, kLanes)));
+    frames_seconds_ = kLanes * app::SecondsOf(EstimateFrame(*entry.handles, options_.deform));
     live_.emplace(std::move(entry), kLanes);
     return {};
   }

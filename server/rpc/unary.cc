@@ -117,7 +117,7 @@ class UnaryReactor final : public UnaryStream, public std::enable_shared_from_th
   }
 
   void ParseAndGoOn() {
-    if (auto parsed = app::WithinMemory([&] { return Parse(); }); !parsed) return End(parsed);
+    if (auto parsed = OrOutOfMemory([&] { return Parse(); }); !parsed) return End(parsed);
     const std::string& owner = call_.caller.owner;
     switch (method_.cost) {
       case Cost::kTrivial:
@@ -139,7 +139,7 @@ class UnaryReactor final : public UnaryStream, public std::enable_shared_from_th
 
   void LookUp() {
     if (auto alive = call_.cancel.Check(); !alive) return End(alive);
-    auto session = app::WithinMemory([&] { return SessionOf(engine_, call_, job_->session_id()); });
+    auto session = OrOutOfMemory([&] { return SessionOf(engine_, call_, job_->session_id()); });
     if (!session) return End(Fail(std::move(session.error())));
     call_.session = *std::move(session);
     expected_ = job_->Expect(call_.session.get());
@@ -150,7 +150,7 @@ class UnaryReactor final : public UnaryStream, public std::enable_shared_from_th
   void Work() {
     if (method_.cost != Cost::kTrivial) call_.queue_micros = waiting_.Micros();
     const Status alive = call_.cancel.Check();
-    End(alive ? app::WithinMemory([&] { return Answer(); }) : alive);
+    End(alive ? OrOutOfMemory([&] { return Answer(); }) : alive);
   }
 
   Status Answer() {

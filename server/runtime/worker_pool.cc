@@ -57,7 +57,7 @@ WorkerPool::WorkerPool(PoolOptions options)
   const std::size_t all = threads() + options_.aside;
   {
     const MutexLock lock(&mutex_);
-    running_since_.resize(all);
+    jobs_.resize(all);
   }
   const MutexLock joining(&join_mutex_);
   threads_.reserve(all);
@@ -81,7 +81,11 @@ bool WorkerPool::Post(Job job, Share share, bool counted) {
   {
     const MutexLock lock(&mutex_);
     if (stopped_ || (counted && !queue_.HasRoom(share.owner, options_.queue))) return false;
+    const bool has_place =
+        HasPlaceLocked() || (share.seconds <= options_.short_seconds && HasShortPlaceLocked());
     queue_.Push({std::move(share), steady_clock::now(), {std::move(job)}}, counted);
+    // Else whoever ends next takes it.
+    if (!has_place) return true;
   }
   wake_.Signal();
   return true;
@@ -119,20 +123,29 @@ PoolStats WorkerPool::stats() const {
   stats.completed = completed_;
   stats.gave_way = gave_way_;
   stats.busy = busy_;
-  for (const std::optional<Time>& since : running_since_) {
-    if (!since) continue;
-    stats.busy += now - *since;
+  for (const std::optional<Running>& job : jobs_) {
+    if (!job) continue;
+    stats.busy += now - job->since;
     stats.oldest_running =
-        std::max<std::chrono::duration<double>>(stats.oldest_running, now - *since);
+        std::max<std::chrono::duration<double>>(stats.oldest_running, now - job->since);
   }
   if (const auto oldest = queue_.oldest()) stats.oldest_waiting = now - *oldest;
   stats.since_finish = now - last_finish_;
   return stats;
 }
 
-bool WorkerPool::HasFreeThread() const {
-  return running_ - running_short_ < options_.threads && queue_.empty();
+bool WorkerPool::HasPlaceLocked() const { return running_ - running_short_ < options_.threads; }
+
+bool WorkerPool::HasShortPlaceLocked() const {
+  if (options_.short_seconds <= 0 || running_short_ > 0) return false;
+  const Time now = steady_clock::now();
+  const std::chrono::duration<double> longest(options_.short_seconds);
+  return std::any_of(jobs_.begin(), jobs_.end(), [&](const std::optional<Running>& job) {
+    return job && (job->seconds > longest.count() || now - job->since > longest);
+  });
 }
+
+bool WorkerPool::HasFreeThread() const { return HasPlaceLocked() && queue_.empty(); }
 
 bool WorkerPool::AwaitFreeThread(std::chrono::milliseconds patience) const {
   const auto deadline = steady_clock::now() + patience;
@@ -144,7 +157,7 @@ bool WorkerPool::AwaitFreeThread(std::chrono::milliseconds patience) const {
 }
 
 std::optional<WorkerPool::Queue::Entry> WorkerPool::NextLocked(Worker& worker) {
-  while (running_ - running_short_ < options_.threads) {
+  while (HasPlaceLocked()) {
     auto next = queue_.Pop();
     if (!next) return std::nullopt;
     ++running_;
@@ -154,7 +167,7 @@ std::optional<WorkerPool::Queue::Entry> WorkerPool::NextLocked(Worker& worker) {
     aside->go = true;
     aside->turn.Signal();
   }
-  if (options_.short_seconds <= 0 || running_short_ > 0) return std::nullopt;
+  if (queue_.empty() || !HasShortPlaceLocked()) return std::nullopt;
   auto next = queue_.Pop(options_.short_seconds);
   if (!next) return std::nullopt;
   ++running_;
@@ -174,7 +187,7 @@ std::optional<WorkerPool::Queue::Entry> WorkerPool::Take(Worker& worker) {
   --idle_;
   if (!next) return next;
   const Time now = steady_clock::now();
-  running_since_[worker.thread] = now;
+  jobs_[worker.thread] = Running{now, next->share.seconds};
   worker.share = next->share;
   worker.since = next->since;
   worker.turn = worker.clock = now;
@@ -183,6 +196,8 @@ std::optional<WorkerPool::Queue::Entry> WorkerPool::Take(Worker& worker) {
   worker.paid = Queue::Paid(next->share);
   // Nobody else may end and say so.
   if (HasFreeThread()) free_.SignalAll();
+  // This one may be the long job that opens the place of the short ones.
+  if (!queue_.empty() && (HasPlaceLocked() || HasShortPlaceLocked())) wake_.Signal();
   return next;
 }
 
@@ -206,7 +221,7 @@ void WorkerPool::Finished(Worker& worker) {
     ChargeLocked(worker);
     LeaveLocked(worker.place);
     last_finish_ = steady_clock::now();
-    busy_ += last_finish_ - *std::exchange(running_since_[worker.thread], std::nullopt);
+    busy_ += last_finish_ - std::exchange(jobs_[worker.thread], std::nullopt)->since;
     ++completed_;
     // Those that wait for the last job to end.
     if (stopped_) wake_.SignalAll();
@@ -229,8 +244,7 @@ void WorkerPool::TakeTurns(Worker& worker) {
   const bool others = idle_ <= options_.aside / 2;
   if (idle_ == 0 || !(overdue || queue_.Precedes(worker.share, worker.since, others))) return;
   LeaveLocked(worker.place);
-  busy_ += now - *running_since_[worker.thread];
-  running_since_[worker.thread].reset();
+  busy_ += now - std::exchange(jobs_[worker.thread], std::nullopt)->since;
   Aside aside;
   queue_.Push({worker.share, worker.since, {nullptr, &aside}}, false);
   wake_.Signal();
@@ -238,7 +252,7 @@ void WorkerPool::TakeTurns(Worker& worker) {
   worker.place = Place::kAny;
   worker.paid += Queue::Paid(worker.share);
   worker.turn = worker.clock = steady_clock::now();
-  running_since_[worker.thread] = worker.turn;
+  jobs_[worker.thread] = Running{worker.turn, worker.share.seconds};
 }
 
 void WorkerPool::GiveWayTo(WorkerPool& others, Worker& worker) {

@@ -25,8 +25,8 @@ struct PoolOptions {
   std::size_t queue = 0;               // jobs that may wait beside them, see TryPost
   Metrics* metrics = nullptr;          // told how long jobs waited; outlives the pool
   WorkerPool* gives_way_to = nullptr;  // see GiveWay; outlives the pool
-  // A place beside the others for jobs that are expected to take at most so long; 0: none. So they
-  // wait for one another only.
+  // A place beside the others, while one of these has a longer job, for jobs that are expected to
+  // take at most so long; 0: none. So they wait for one another only.
   double short_seconds = 0;
   // So many long jobs may stand aside at once while others take their turn, see GiveWay.
   std::size_t aside = 0;
@@ -112,6 +112,10 @@ class WorkerPool {
     Aside* aside = nullptr;  // instead of a job
   };
   using Queue = FairQueue<Posted>;
+  struct Running {
+    Time since;
+    double seconds = 0;  // that it is expected to take
+  };
   enum class Place { kAny, kShort };
   struct Worker;
 
@@ -120,6 +124,8 @@ class WorkerPool {
   // Waits for work; nothing when there is none and the pool has stopped.
   std::optional<Queue::Entry> Take(Worker& worker);
   std::optional<Queue::Entry> NextLocked(Worker& worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool HasPlaceLocked() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool HasShortPlaceLocked() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Finished(Worker& worker);
   // What the job has taken since this was last asked, and counts it.
   void ChargeLocked(Worker& worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -137,7 +143,7 @@ class WorkerPool {
   Queue queue_ ABSL_GUARDED_BY(mutex_);
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   // By thread.
-  std::vector<std::optional<Time>> running_since_ ABSL_GUARDED_BY(mutex_);
+  std::vector<std::optional<Running>> jobs_ ABSL_GUARDED_BY(mutex_);
   std::size_t idle_ ABSL_GUARDED_BY(mutex_) = 0;           // threads without a job
   std::size_t running_ ABSL_GUARDED_BY(mutex_) = 0;        // jobs, those aside left out
   std::size_t running_short_ ABSL_GUARDED_BY(mutex_) = 0;  // of these, in the place of short ones

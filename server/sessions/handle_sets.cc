@@ -8,7 +8,6 @@
 
 #include "core/base/names.h"
 #include "core/base/try.h"
-#include "server/budget/estimate.h"
 #include "server/budget/faults.h"
 #include "server/runtime/clock.h"
 #include "server/runtime/metrics.h"
@@ -64,6 +63,15 @@ store::HandleDefinitions Edited(const std::vector<Handle>& definitions,
   return store::MakeDefinitions(std::move(edited));
 }
 
+// The number of handles after an edit.
+Status CheckEdit(const HandleSetEntry& entry, const std::vector<std::string>& remove,
+                 const std::vector<Handle>& add, const Limits& limits) {
+  const std::set<std::string_view> gone(remove.begin(), remove.end());
+  const std::size_t known = entry.definitions->size();
+  const std::size_t left = known > gone.size() ? known - gone.size() : 0;
+  return CheckCount(left + add.size(), limits, "add");
+}
+
 // The core numbers the added handles as "handles[i]"; in an edit they are the field "add".
 std::string FieldOfEdit(const std::string& field) {
   constexpr std::string_view kHandles = "handles[";
@@ -87,9 +95,8 @@ Result<HandleSetEntry> CompileHandles(Workshop& workshop, const Caller& caller,
   if (has) return WarmHandleSet(workshop, caller, *session, handle_set_id, cancel);
 
   TRY(const auto mesh, WarmMesh(workshop, caller, *session, mesh_id, cancel));
-  const std::size_t vertices = mesh.mesh->mesh().vertices.size();
-  TRY(const auto room,
-      workshop.derived.Reserve(caller, CompilationBytes(vertices, RowsOf(handles, vertices))));
+  TRY(const Cost cost, CompilationCostOf(*mesh.mesh, handles, cancel));
+  TRY(const auto room, workshop.derived.Reserve(caller, cost.bytes));
   TRY(auto compiled, CompiledHandles::Compile(mesh.mesh, handles, cancel));
   const auto add = [&](store::SessionRecord& record) -> Result<bool> {
     TRY(const bool there, HasSet(record, handle_set_id, mesh_id, handles, limits));
@@ -107,14 +114,20 @@ Result<HandleSetEntry> CompileHandles(Workshop& workshop, const Caller& caller,
   return entry;
 }
 
+Result<Cost> EditCostOf(const HandleSetEntry& entry, const std::vector<std::string>& remove,
+                        const std::vector<Handle>& add, const Limits& limits,
+                        const CancelToken& cancel) {
+  CHECK_OK(CheckEdit(entry, remove, add, limits));
+  auto rows = CountRows(*entry.handles->mesh(), add, cancel);
+  if (rows) return EstimateEdit(*entry.handles, remove, *rows).cost;
+  return CostOfRefused(std::move(rows.error()));
+}
+
 Result<HandleSetEntry> EditEntry(const HandleSetEntry& entry,
                                  const std::vector<std::string>& remove,
                                  const std::vector<Handle>& add, const Limits& limits,
                                  const CancelToken& cancel) {
-  const std::set<std::string_view> gone(remove.begin(), remove.end());
-  const std::size_t known = entry.definitions->size();
-  const std::size_t left = known > gone.size() ? known - gone.size() : 0;
-  CHECK_OK(CheckCount(left + add.size(), limits, "add"));
+  CHECK_OK(CheckEdit(entry, remove, add, limits));
   auto compiled = entry.handles->Edit(remove, add, cancel);
   if (!compiled) {
     compiled.error().Field(FieldOfEdit(compiled.error().field));
@@ -132,10 +145,8 @@ Result<HandleSetEntry> EditHandles(Workshop& workshop, const Caller& caller,
   TRY(const auto session, workshop.sessions.Use(caller.owner, session_id));
   for (;;) {
     TRY(const auto entry, WarmHandleSet(workshop, caller, *session, handle_set_id, cancel));
-    const std::size_t vertices = entry.handles->mesh()->mesh().vertices.size();
-    TRY(const auto room,
-        workshop.derived.Reserve(
-            caller, CompilationBytes(vertices, entry.handles->rows() + RowsOf(add, vertices))));
+    TRY(const Cost cost, EditCostOf(entry, remove, add, workshop.limits, cancel));
+    TRY(const auto room, workshop.derived.Reserve(caller, cost.bytes));
     TRY(auto edited, EditEntry(entry, remove, add, workshop.limits, cancel));
     std::string blob;
     const auto replace = [&](store::SessionRecord& record) -> Result<bool> {

@@ -30,6 +30,11 @@ Result<HandleSetEntry> EditHandles(Workshop& workshop, const Caller& caller,
                                    const std::vector<std::string>& remove,
                                    const std::vector<Handle>& add, const CancelToken& cancel);
 
+// What EditEntry will take, as CompilationCostOf. kTooManyHandles.
+Result<Cost> EditCostOf(const HandleSetEntry& entry, const std::vector<std::string>& remove,
+                        const std::vector<Handle>& add, const Limits& limits,
+                        const CancelToken& cancel);
+
 // One edit on its own: the next revision of `entry`, not stored anywhere.
 Result<HandleSetEntry> EditEntry(const HandleSetEntry& entry,
                                  const std::vector<std::string>& remove,

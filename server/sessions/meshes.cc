@@ -3,10 +3,10 @@
 #include <utility>
 #include <vector>
 
+#include "arap/core/cost.h"
 #include "core/base/names.h"
 #include "core/base/try.h"
 #include "core/token/digest.h"
-#include "server/budget/estimate.h"
 #include "server/budget/faults.h"
 #include "server/runtime/clock.h"
 #include "server/runtime/metrics.h"
@@ -35,7 +35,9 @@ Result<std::shared_ptr<const RegisteredMesh>> Factor(Workshop& workshop, const C
                                                      PlanarMesh mesh, const EnergyOptions& options,
                                                      const CancelToken& cancel) {
   const MeshLimits limits{workshop.limits.max_vertices, workshop.limits.max_triangles};
-  TRY(const auto room, workshop.derived.Reserve(caller, RegistrationBytes(mesh.vertices.size())));
+  TRY(const auto room,
+      workshop.derived.Reserve(caller,
+                               EstimateRegistration(mesh.vertices.size(), options.basis).bytes));
   return RegisteredMesh::Register(std::move(mesh), options, limits, cancel);
 }
 

@@ -6,7 +6,6 @@
 
 #include "core/base/names.h"
 #include "core/base/try.h"
-#include "server/budget/estimate.h"
 #include "server/runtime/clock.h"
 #include "server/runtime/metrics.h"
 #include "server/store/blobs/mesh_blob.h"
@@ -47,7 +46,8 @@ Result<std::shared_ptr<const RegisteredMesh>> Rebuild(Workshop& workshop, const 
   TRY(auto stored, store::DecodeMesh(bytes));
   bytes = {};
   TRY(const auto room,
-      workshop.derived.Reserve(caller, RegistrationBytes(stored.mesh.vertices.size())));
+      workshop.derived.Reserve(
+          caller, EstimateRegistration(stored.mesh.vertices.size(), stored.options.basis).bytes));
   // What was accepted once stays, also when the limits have shrunk since.
   constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
   const runtime::WallTimer working;
@@ -104,13 +104,26 @@ Result<HandleSetEntry> WarmHandleSet(Workshop& workshop, const Caller& caller,
     return entry;
   }
   TRY(const auto mesh, WarmMesh(workshop, caller, session, set.mesh_id, cancel));
-  const std::size_t vertices = mesh.mesh->mesh().vertices.size();
-  TRY(const auto room, workshop.derived.Reserve(
-                           caller, CompilationBytes(vertices, RowsOf(*set.definitions, vertices))));
+  TRY(const Cost cost, CompilationCostOf(*mesh.mesh, *set.definitions, cancel));
+  TRY(const auto room, workshop.derived.Reserve(caller, cost.bytes));
   const runtime::WallTimer working;
   TRY(entry.handles, CompiledHandles::Compile(mesh.mesh, *set.definitions, cancel));
   workshop.metrics.Phase(runtime::Phase::kRebuild, working.Micros() * 1e-6);
   return KeepWarm(workshop, session.key(), mesh.content_hash, std::move(entry));
+}
+
+Result<Cost> CompilationCostOf(const RegisteredMesh& mesh, const std::vector<Handle>& handles,
+                               const CancelToken& cancel) {
+  auto rows = CountRows(mesh, handles, cancel);
+  if (rows) return EstimateCompilation(mesh, *rows);
+  return CostOfRefused(std::move(rows.error()));
+}
+
+Result<Cost> CostOfRefused(Fault fault) {
+  const bool gave_up =
+      fault.kind == FaultKind::kCancelled || fault.kind == FaultKind::kDeadlineExceeded;
+  if (gave_up) return Fail(std::move(fault));
+  return Cost{};
 }
 
 MeshEntry KeepWarm(Workshop& workshop, const std::string& owner, MeshEntry entry) {

@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "arap/base/cancel.h"
 #include "arap/base/result.h"
 #include "arap/core/compiled_handles.h"
+#include "arap/core/cost.h"
 #include "arap/core/registered_mesh.h"
 #include "server/access/caller.h"
 #include "server/sessions/session.h"
@@ -60,6 +62,13 @@ Result<MeshEntry> WarmMesh(Workshop& workshop, const Caller& caller, const Sessi
 Result<HandleSetEntry> WarmHandleSet(Workshop& workshop, const Caller& caller,
                                      const Session& session, const std::string& handle_set_id,
                                      const CancelToken& cancel);
+
+// What CompiledHandles::Compile will take. Handles that it will refuse cost nothing: it says why
+// itself. Faults: what `cancel` answers.
+Result<Cost> CompilationCostOf(const RegisteredMesh& mesh, const std::vector<Handle>& handles,
+                               const CancelToken& cancel);
+// The same when CountRows has answered `fault`.
+Result<Cost> CostOfRefused(Fault fault);
 
 // Keeps an entry that was just computed and stored. Returns the entry that is kept: the mesh of an
 // equal one that came first. `blob` names the mesh that the set was compiled on.

@@ -21,6 +21,11 @@ StreamJob::Lane LaneOf(double seconds) {
   return seconds > kLongFrameSeconds ? StreamJob::Lane::kJobs : StreamJob::Lane::kFrames;
 }
 
+double PickSeconds(const CompiledHandles& handles, std::size_t picks) {
+  if (picks == 0) return 0;
+  return SecondsOf(EstimateFrame(handles, {}, picks)) - SecondsOf(EstimateFrame(handles, {}));
+}
+
 StreamAnswer Shape(std::uint64_t sequence, std::unique_ptr<WireAnswer> message) {
   StreamAnswer answer;
   answer.kind = StreamAnswer::Kind::kShape;
@@ -178,10 +183,10 @@ bool StreamPolicy::TakeEdit(const StreamMessage::Edit& edit) {
   }
   StreamJob job;
   job.work = StreamJob::Work::kEdit;
+  // A handle holds three rows at most, unless it has an area.
   const std::size_t vertices = set_.handles->mesh()->mesh().vertices.size();
-  job.seconds =
-      EditSeconds(vertices, set_.handles->rows(), edit.has_areas ? vertices : edit.added) +
-      pace_->frame_seconds();
+  const RowCount added{.rows = edit.has_areas ? vertices : 3 * edit.added};
+  job.seconds = SecondsOf(EstimateEdit(*set_.handles, {}, added).cost) + pace_->frame_seconds();
   job.lane =
       edit.added <= kLightEdit && !edit.has_areas ? LaneOf(job.seconds) : StreamJob::Lane::kJobs;
   job.sequence = edit.sequence;
@@ -235,8 +240,7 @@ std::optional<StreamJob> StreamPolicy::Begin() {
   job.work = StreamJob::Work::kUpdate;
   job.sequence = next_->sequence;
   job.picks = std::move(next_->picks);
-  const std::size_t vertices = set_.handles->mesh()->mesh().vertices.size();
-  job.seconds = pace_->frame_seconds() + PickSeconds(vertices, job.picks.size());
+  job.seconds = pace_->frame_seconds() + PickSeconds(*set_.handles, job.picks.size());
   job.lane = LaneOf(job.seconds);
   job.waiting = next_->waiting;
   job_targets_ = set_.targets;

@@ -105,6 +105,21 @@ TEST(WorkerPoolTest, ShortJobsHaveAPlaceOfTheirOwn) {
   open.set_value();
 }
 
+TEST(WorkerPoolTest, AShortJobDoesNotWaitForTheLongOneThatWasTakenBeforeIt) {
+  PoolOptions options{"jobs", 1, 10};
+  options.short_seconds = 0.05;
+  WorkerPool pool(options);
+  Blocker blocker(pool);
+  std::promise<void> open;
+  std::promise<void> done;
+  const auto wait = [&open] { EXPECT_EQ(open.get_future().wait_for(kPatience), kReady); };
+  EXPECT_TRUE(pool.TryPost(wait, {"ann", 0, 60}));
+  EXPECT_TRUE(pool.TryPost([&done] { done.set_value(); }, {"ben", 0, 0.01}));
+  blocker.Open();
+  EXPECT_EQ(done.get_future().wait_for(kPatience), kReady) << "the short one waits for the long";
+  open.set_value();
+}
+
 // Goes on, step by step, until it is told to end.
 void Work(std::atomic<bool>& over) {
   const auto end = std::chrono::steady_clock::now() + kPatience;

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/budget/estimate.h"
+#include "arap/core/cost.h"
 #include "server/engine.h"
 #include "server/sessions/handle_sets.h"
 #include "server/sessions/meshes.h"
@@ -64,7 +64,7 @@ TEST_F(CancelledWorkTest, ARegistrationLeavesNothing) {
   // What is not given back is missed by the next attempt: there is room for one.
   Caller small = ann_;
   // Of the mesh, beside the session's record before and after.
-  small.limits.max_bytes = RegistrationBytes(Mesh().vertices.size()) + 1'024;
+  small.limits.max_bytes = EstimateRegistration(Mesh().vertices.size(), Basis::kEdge).bytes + 1'024;
   const std::size_t places = CancelEverywhere(
       [&](const CancelToken& token) { return Register(small, token); },
       [&] {

@@ -68,7 +68,7 @@ std::shared_ptr<const CompiledHandles> ManyRows() {
     for (std::uint32_t i = 0; i < 100; ++i) {
       handles.push_back(AtVertex(("h" + std::to_string(i)).c_str(), 100 * i));
     }
-    return *CompiledHandles::Compile(Grid(100), std::move(handles));
+    return *CompiledHandles::Compile(Grid(150), std::move(handles));
   }();
   return set;
 }
