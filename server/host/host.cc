@@ -8,6 +8,7 @@
 #include <google/protobuf/message.h>
 #include <grpc/health/v1/health.pb.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/generic/async_generic_service.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/impl/service_type.h>
 #include <grpcpp/resource_quota.h>
@@ -122,6 +123,7 @@ Host::Host(const HostOptions& options, std::shared_ptr<const runtime::Clock> clo
       identity_(credentials_->identity()),
       services_(rpc::MakeServices(engine_, identity_)),
       health_(ServiceNames(), connections_),
+      unknown_methods_(rpc::MakeUnknownMethods(connections_)),
       on_deaf_(options.on_deaf) {
   identity_.connections = &connections_;
   services_.push_back(health_.MakeService({engine_, identity_}));
@@ -181,6 +183,7 @@ Status Host::Serve(const HostOptions& options) {
   for (const rpc::NamedService& service : services_) {
     builder.RegisterService(service.service.get());
   }
+  builder.RegisterCallbackGenericService(unknown_methods_.get());
   server_ = builder.BuildAndStart();
   if (!server_) return Fail(FaultKind::kInternal, "gRPC does not start.");
   if (!options.admin.empty()) {

@@ -25,8 +25,9 @@
 #include "server/runtime/ticker.h"
 
 namespace grpc {
+class CallbackGenericService;
 class Server;
-}
+}  // namespace grpc
 
 namespace arap::host {
 
@@ -111,6 +112,7 @@ class Host {
   rpc::Identity identity_;
   std::vector<rpc::NamedService> services_;
   rpc::Health health_;
+  const std::unique_ptr<grpc::CallbackGenericService> unknown_methods_;
   std::vector<std::string> addresses_;
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<Acceptor> acceptor_;

@@ -115,6 +115,15 @@ void Connections::Known(std::string_view peer) {
   }
 }
 
+std::shared_ptr<const void> Connections::Begin(std::string_view peer) {
+  const MutexLock lock(&mutex_);
+  const auto found = connections_.find(peer);
+  if (found == connections_.end()) return nullptr;
+  const auto calls = found->second.calls;
+  if (++*calls > bounds_.most_calls) Cut(found);
+  return {calls.get(), [calls](const void*) { --*calls; }};
+}
+
 Result<Connections::Entry> Connections::Receive(std::string_view peer, Told late) {
   const MutexLock lock(&mutex_);
   if (receiving_ >= bounds_.most_receiving) return Fail(app::Overloaded());

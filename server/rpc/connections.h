@@ -4,11 +4,13 @@
 // kernel is asked for: a connection is over when its descriptor no longer is that socket.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -27,6 +29,9 @@ struct ConnectionBounds {
   // What a connection may do before a call on it was let in: live for so long, and send so much.
   std::chrono::milliseconds unknown_time = std::chrono::seconds(60);
   std::size_t unknown_bytes = 1u << 20u;
+  // Calls of one connection that have begun and not ended. HTTP/2 bounds those that are open, but
+  // not those that a client has reset and that nobody has cleared away yet.
+  std::size_t most_calls = 2'048;
   // Requests that have begun to come in and are not complete: how many, how many bytes of them all,
   // and how long each may take.
   std::size_t most_receiving = 1'024;
@@ -53,6 +58,10 @@ class Connections {
 
   // A call on the connection of this peer, as gRPC names it ("ipv4:10.0.0.1:5555"), was let in.
   void Known(std::string_view peer);
+
+  // A call of this peer begins; it ends when the answer goes. A connection with more than most_calls
+  // is cut.
+  std::shared_ptr<const void> Begin(std::string_view peer);
 
   // Ends what it began when it goes. An empty one is nothing. Move-only.
   class Entry {
@@ -103,6 +112,7 @@ class Connections {
     std::string address;       // what is counted by; empty: a unix socket
     runtime::Clock::Steady since;
     bool known = false;
+    std::shared_ptr<std::atomic<std::size_t>> calls = std::make_shared<std::atomic<std::size_t>>();
     // Of the requests that come in now: how many, the bytes of the socket when the first of them
     // began, and the bytes of those that are complete.
     std::size_t receiving = 0;

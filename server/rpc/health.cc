@@ -27,6 +27,7 @@ class Health::Reactor final : public grpc::ServerBidiReactor<Request, Response>,
 
   void Start(const std::string& peer) {
     self_ = shared_from_this();
+    counted_ = health_.connections_.Begin(peer);
     auto receiving =
         health_.connections_.Receive(peer, [weak = weak_from_this()](const Fault& late) {
           if (const auto self = weak.lock()) self->End(late);
@@ -108,6 +109,7 @@ class Health::Reactor final : public grpc::ServerBidiReactor<Request, Response>,
   Health& health_;
   const bool watches_;
   std::shared_ptr<Reactor> self_;  // from Start until OnDone
+  std::shared_ptr<const void> counted_;
   Mutex mutex_;
   Connections::Entry receiving_ ABSL_GUARDED_BY(mutex_);
   Request request_;    // gRPC's until read_

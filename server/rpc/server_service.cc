@@ -2,9 +2,12 @@
 #include <utility>
 
 #include <arap/v1/server_service.grpc.pb.h>
+#include <grpcpp/generic/async_generic_service.h>
 
 #include "proto/convert/limits.h"
+#include "proto/convert/status.h"
 #include "server/engine.h"
+#include "server/rpc/connections.h"
 #include "server/rpc/methods.h"
 #include "server/rpc/services.h"
 
@@ -29,6 +32,30 @@ constexpr const char* kCapabilities[] = {"basis.edge",          "basis.edge_as_p
                                          "flatten.grain_lines", "flatten.surface_key",
                                          "result.float64"};
 
+class UnknownMethods final : public grpc::CallbackGenericService {
+ public:
+  explicit UnknownMethods(Connections& connections) : connections_(connections) {}
+
+  grpc::ServerGenericBidiReactor* CreateReactor(
+      grpc::GenericCallbackServerContext* context) override {
+    return new Reactor(connections_.Begin(context->peer()));
+  }
+
+ private:
+  class Reactor final : public grpc::ServerGenericBidiReactor {
+   public:
+    explicit Reactor(std::shared_ptr<const void> counted) : counted_(std::move(counted)) {
+      Finish(convert::ToGrpcStatus({FaultKind::kUnimplemented, "There is no such method."}));
+    }
+    void OnDone() override { delete this; }
+
+   private:
+    const std::shared_ptr<const void> counted_;
+  };
+
+  Connections& connections_;
+};
+
 }  // namespace
 
 Status GetServerInfo(app::Engine& engine, const v1::GetServerInfoRequest&, const Call&,
@@ -44,6 +71,10 @@ NamedService MakeServerService(const Backend& backend) {
   auto service = std::make_unique<Methods>(backend, v1::ServerService::service_full_name());
   service->Unary({"GetServerInfo", Cost::kTrivial, true, nullptr, true}, GetServerInfo);
   return Named(std::move(service));
+}
+
+std::unique_ptr<grpc::CallbackGenericService> MakeUnknownMethods(Connections& connections) {
+  return std::make_unique<UnknownMethods>(connections);
 }
 
 NamedService Named(std::unique_ptr<Methods> methods) {

@@ -13,8 +13,9 @@
 #include "arap/base/result.h"
 
 namespace grpc {
+class CallbackGenericService;
 class Service;
-}
+}  // namespace grpc
 namespace arap::app {
 struct Engine;
 }
@@ -24,6 +25,7 @@ namespace arap::rpc {
 struct Backend;
 struct Call;
 struct Identity;
+class Connections;
 class Methods;
 
 struct NamedService {
@@ -34,6 +36,10 @@ struct NamedService {
 // All of them. `engine` and `identity` outlive the services, and they outlive the server that they
 // are registered with.
 std::vector<NamedService> MakeServices(app::Engine& engine, const Identity& identity);
+
+// What answers calls of methods that there are not; counted as all calls are. `connections` outlives
+// it.
+std::unique_ptr<grpc::CallbackGenericService> MakeUnknownMethods(Connections& connections);
 
 NamedService Named(std::unique_ptr<Methods> methods);
 NamedService MakeDeformationService(const Backend& backend);

@@ -99,6 +99,7 @@ class StreamReactor final
   // delivered, and OnDone not called, before the RPC's method has returned.
   void Start(const Identity& identity, const Status& admitted) {
     self_ = shared_from_this();
+    if (identity.connections != nullptr) counted_ = identity.connections->Begin(context_->peer());
     const Status added = admitted ? engine_.streams.Add(self_, caller_) : admitted;
     {
       const MutexLock lock(&mutex_);
@@ -364,6 +365,7 @@ class StreamReactor final
   const app::Caller caller_;
   CallerWatch watch_;                    // from Start until OnDone
   std::shared_ptr<StreamReactor> self_;  // likewise
+  std::shared_ptr<const void> counted_;
 
   Mutex mutex_;
   app::StreamPolicy policy_ ABSL_GUARDED_BY(mutex_);

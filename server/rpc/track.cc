@@ -60,6 +60,7 @@ class TrackReactor final
   void Start(const grpc::CallbackServerContext& context, const Identity& identity,
              const Status& admitted) {
     self_ = shared_from_this();
+    if (identity.connections != nullptr) counted_ = identity.connections->Begin(context.peer());
     Status added = admitted ? engine_.streams.Add(self_, caller_) : admitted;
     if (added && identity.connections != nullptr) {
       auto receiving =
@@ -297,6 +298,7 @@ class TrackReactor final
   v1::DeformTrackRequest request_;      // gRPC's while reading_
   CallerWatch watch_;                   // from Start until OnDone
   std::shared_ptr<TrackReactor> self_;  // likewise
+  std::shared_ptr<const void> counted_;
 
   // The running job's own; when none runs, of whoever holds mutex_.
   ShapeOptions options_;

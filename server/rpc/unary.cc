@@ -35,6 +35,7 @@ class UnaryReactor final : public UnaryStream, public std::enable_shared_from_th
 
   void Start(const Identity& identity, const std::string& peer, Result<app::Caller> caller) {
     self_ = shared_from_this();
+    if (identity.connections != nullptr) counted_ = identity.connections->Begin(peer);
     if (!caller) return End(Fail(std::move(caller.error())));
     call_.caller = *std::move(caller);
     log_.Owner(call_.caller.owner);
@@ -174,6 +175,7 @@ class UnaryReactor final : public UnaryStream, public std::enable_shared_from_th
   std::shared_ptr<UnaryReactor> self_;  // from Start until OnDone
   grpc::ByteBuffer bytes_;              // the request, then the answer; gRPC's meanwhile
   std::atomic<bool> arrived_{false};    // or given up
+  std::shared_ptr<const void> counted_;
   Connections::Entry receiving_;
   Call call_;
   app::DerivedCache::Reservation room_;  // for the request

@@ -221,6 +221,25 @@ TEST(DoorTest, WatchersOfHealthAreCounted) {
   EXPECT_EQ(server.Wait(seconds(5)), 0);
 }
 
+// Streams that are reset as soon as they are open: HTTP/2 does not count them.
+TEST(DoorTest, CallsThatAreResetAtOnceAreNotKept) {
+  ServerProcess server;
+  ASSERT_TRUE(server.Start());
+  const std::size_t before = server.ResidentBytes();
+  const std::string cancel("\0\0\0\x08", 4);
+  for (const char* path : {kRegister, "/arap.v1.ServerService/GetServerInfo", "/no/method"}) {
+    RawPeer peer(server.address());
+    ASSERT_TRUE(peer.Send(http2::Preface()));
+    bool open = true;
+    for (std::uint32_t stream = 1; open && stream < 60'000; stream += 2) {
+      open = peer.Send(http2::OpenCall(stream, path)) &&
+             peer.Send(http2::Frame(http2::kResetStream, 0, stream, cancel));
+    }
+    EXPECT_TRUE(FaultClient(server.address()).Info().ok());
+    EXPECT_LT(PeakBytes(server), before + Megabytes(192)) << path;
+  }
+}
+
 TEST(DoorTest, TheEndHasABoundWhateverHoldsItUp) {
   ServerProcess server({"--drain-seconds", "0.1"});
   ASSERT_TRUE(server.Start());

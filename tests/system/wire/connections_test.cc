@@ -123,6 +123,19 @@ TEST_F(ConnectionsTest, WhoeverIsLateIsToldOnce) {
   EXPECT_TRUE(connections_->Receive("ipv4:10.0.0.1:1", told));
 }
 
+TEST_F(ConnectionsTest, CallsThatDoNotEndAsFastAsTheyBeginEndTheirConnection) {
+  Start({.most_calls = 2});
+  Come("10.0.0.1", 1);
+  auto first = connections_->Begin("ipv4:10.0.0.1:1");
+  auto second = connections_->Begin("ipv4:10.0.0.1:1");
+  first.reset();
+  auto third = connections_->Begin("ipv4:10.0.0.1:1");
+  EXPECT_FALSE(IsCut(0));
+  const auto fourth = connections_->Begin("ipv4:10.0.0.1:1");
+  EXPECT_TRUE(IsCut(0));
+  EXPECT_FALSE(connections_->Begin("ipv4:10.0.0.1:1")) << "it is gone";
+}
+
 TEST_F(ConnectionsTest, OldConnectionsAreLeft) {
   Start({.most_age = seconds(100)});
   Come("10.0.0.1", 1);
