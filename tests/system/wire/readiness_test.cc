@@ -81,6 +81,19 @@ TEST_F(ReadinessTest, StoreThatDoesNotAnswerIsNotReady) {
   EXPECT_TRUE(readiness_.Check().ready());
 }
 
+TEST_F(ReadinessTest, ServerThatLetsNobodyInIsDeafUntilItDoes) {
+  readiness_.TellDialled(Fail(FaultKind::kInternal, "Nobody is let in."));
+  EXPECT_EQ(readiness_.Check().state, State::kDeaf);
+  clock_.Advance(seconds(9));
+  readiness_.TellDialled(Fail(FaultKind::kInternal, "Nobody is let in."));
+  EXPECT_FALSE(readiness_.IsDeaf()) << "it may still recover";
+  clock_.Advance(seconds(2));
+  EXPECT_TRUE(readiness_.IsDeaf());
+  readiness_.TellDialled({});
+  EXPECT_FALSE(readiness_.IsDeaf());
+  EXPECT_TRUE(readiness_.Check().ready());
+}
+
 TEST_F(ReadinessTest, DrainingComesBeforeAllElse) {
   stats_.oldest_running = seconds(60);
   readiness_.AnnounceStop();
