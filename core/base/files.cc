@@ -1,8 +1,10 @@
 #include "core/base/files.h"
 
 #include <cerrno>
+#include <cstdlib>
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -62,6 +64,46 @@ int Rename(const std::string& from, const std::string& to) {
   return rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
 }
 
+int ReadWhole(const std::string& path, std::string& bytes) {
+  File file;
+  if (const int error = OpenFile(path, O_RDONLY, file); error != 0) return error;
+  struct stat info {};
+  if (fstat(file.fd(), &info) != 0) return errno;
+  if (!S_ISREG(info.st_mode)) return EINVAL;
+  return ReadAll(file, static_cast<std::size_t>(info.st_size), bytes);
+}
+
+namespace {
+
+int CopyPermissions(const std::string& path, const File& fresh) {
+  struct stat old {};
+  if (stat(path.c_str(), &old) != 0) return 0;  // mkostemp made the new one 0600
+  // Without the right to give files away it stays ours.
+  if (fchown(fresh.fd(), old.st_uid, old.st_gid) != 0 && errno != EPERM) return errno;
+  constexpr mode_t kOthers = S_IRWXO | S_IWGRP | S_IXGRP | S_IXUSR;
+  return fchmod(fresh.fd(), old.st_mode & 0777 & ~kOthers) == 0 ? 0 : errno;
+}
+
+}  // namespace
+
+int ReplaceFile(const std::string& path, std::string_view bytes) {
+  std::string fresh = path + ".XXXXXX";
+  const File file(mkostemp(fresh.data(), O_CLOEXEC));
+  if (!file) return errno;
+  int error = CopyPermissions(path, file);
+  if (error == 0) error = WriteAll(file, bytes);
+  if (error == 0 && fsync(file.fd()) != 0) error = errno;
+  if (error == 0) error = Rename(fresh, path);
+  if (error == 0) return SyncDirectory(ParentOf(path));
+  unlink(fresh.c_str());
+  return error;
+}
+
+bool OthersMayWrite(const std::string& directory) {
+  struct stat info {};
+  return stat(directory.c_str(), &info) == 0 && (info.st_mode & S_IWOTH) != 0;
+}
+
 std::string ParentOf(const std::string& path) {
   const std::size_t slash = path.find_last_of('/');
   if (slash == std::string::npos) return ".";
@@ -80,6 +122,18 @@ int FileLock::Take(const std::string& path, Kind kind, bool wait, FileLock& lock
   }
   lock.file_ = std::move(file);
   return 0;
+}
+
+int FileLock::TakeWithin(const std::string& path, std::chrono::milliseconds patience,
+                         FileLock& lock) {
+  // The kernel has no wait with an end.
+  constexpr int kLookEveryMs = 10;
+  const auto end = std::chrono::steady_clock::now() + patience;
+  for (;;) {
+    const int error = Take(path, Kind::kExclusive, false, lock);
+    if (error != EWOULDBLOCK || std::chrono::steady_clock::now() >= end) return error;
+    poll(nullptr, 0, kLookEveryMs);
+  }
 }
 
 }  // namespace arap

@@ -1,6 +1,7 @@
 // Files: descriptors that close themselves, durable writes, and locks between processes.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -42,6 +43,16 @@ int SyncDirectory(const std::string& path);
 // after SyncDirectory of the parent.
 int MakeDirectory(const std::string& path);
 int Rename(const std::string& from, const std::string& to);
+// The whole of a regular file; EINVAL for anything else.
+int ReadWhole(const std::string& path, std::string& bytes);
+// Puts a new file in the place of the one at `path` at once, so that no reader sees half of it.
+// Durable when it returns. It has the mode 0600; where there was a file, that file's mode without
+// what lets others in, and its owner and group as far as we may set them. Of writers that meet the
+// last one wins: let them hold a FileLock from reading to replacing.
+int ReplaceFile(const std::string& path, std::string_view bytes);
+
+// Whether a directory lets everybody make and remove files in it.
+bool OthersMayWrite(const std::string& directory);
 
 // What stands before the last slash.
 std::string ParentOf(const std::string& path);
@@ -54,6 +65,9 @@ class FileLock {
 
   // EWOULDBLOCK when somebody holds it and `wait` is false.
   static int Take(const std::string& path, Kind kind, bool wait, FileLock& lock);
+  // Exclusive; EWOULDBLOCK when somebody has held it for as long as the patience.
+  static int TakeWithin(const std::string& path, std::chrono::milliseconds patience,
+                        FileLock& lock);
 
  private:
   File file_;

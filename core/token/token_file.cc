@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <charconv>
 #include <ctime>
 #include <set>
+#include <system_error>
+#include <utility>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/base/files.h"
 #include "core/base/names.h"
 #include "core/base/try.h"
 #include "core/token/token.h"
@@ -210,6 +214,25 @@ std::string FormatTokenFile(std::span<const TokenEntry> entries) {
   OrderedJson json = OrderedJson::array();
   for (const TokenEntry& entry : entries) json.push_back(ToJson(entry));
   return json.dump(2) + "\n";
+}
+
+Status ChangeTokenFile(const std::string& path, const TokenFileChange& change) {
+  const auto fault = [&path](const char* what, const std::string& why) {
+    return Fail(FaultKind::kInternal, fmt::format("Cannot {} {}: {}.", what, path, why));
+  };
+  const auto reason = [](int error) { return std::generic_category().message(error); };
+  constexpr std::chrono::seconds kPatience{30};
+  FileLock lock;
+  int error = FileLock::TakeWithin(path + ".lock", kPatience, lock);
+  if (error == EWOULDBLOCK) return fault("change", "somebody else is changing it");
+  if (error != 0) return fault("lock", reason(error));
+  std::optional<std::string> text(std::in_place);
+  error = ReadWhole(path, *text);
+  if (error == ENOENT) text.reset();
+  if (error != 0 && error != ENOENT) return fault("read", reason(error));
+  TRY(const std::string fresh, change(text));
+  error = ReplaceFile(path, fresh);
+  return error == 0 ? Status() : fault("write", reason(error));
 }
 
 std::string FormatExpiry(std::chrono::sys_seconds time) {

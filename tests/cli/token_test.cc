@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <future>
 #include <regex>
 #include <sstream>
 
@@ -91,6 +92,29 @@ TEST_F(TokenCommand, ListsAndRevokes) {
   EXPECT_EQ(Arapctl({"token", "revoke", "--file", file(), "--id", id}).code, 1);
   EXPECT_EQ(Arapctl({"token", "revoke", "--file", file(), "--owner", "bob"}).code, 0);
   EXPECT_EQ(Read().size(), 0u);
+}
+
+TEST_F(TokenCommand, ProcessesThatMeetLoseNothing) {
+  std::vector<std::string> old;
+  for (int i = 0; i < 5; ++i) {
+    old.emplace_back(app::TokenFile::IdOf(Add({"old" + std::to_string(i)})));
+  }
+  constexpr std::size_t kMany = 20;
+  std::vector<std::string> fresh(kMany);
+  std::vector<std::future<void>> processes;
+  for (std::size_t i = 0; i < kMany; ++i) {
+    processes.push_back(
+        std::async(std::launch::async, [&, i] { fresh[i] = Add({"owner" + std::to_string(i)}); }));
+    if (i % 4 != 0) continue;
+    processes.push_back(std::async(std::launch::async, [this, id = old[i / 4]] {
+      EXPECT_EQ(Arapctl({"token", "revoke", "--file", file(), "--id", id}).code, 0);
+    }));
+  }
+  // Arapctl ends each of them within its own limit.
+  for (std::future<void>& process : processes) process.get();
+  const app::TokenFile tokens = Read();
+  EXPECT_EQ(tokens.size(), kMany) << "none is lost, and none that was revoked is back";
+  for (const std::string& token : fresh) EXPECT_TRUE(Check(tokens, token));
 }
 
 TEST_F(TokenCommand, ExpiriesOfOthersStayAsTheyAre) {

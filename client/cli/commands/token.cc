@@ -2,22 +2,17 @@
 #include "core/token/token.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/report.h"
@@ -43,63 +38,14 @@ std::string CheckOwner(const std::string& owner) {
   return IsName(owner) ? "" : "an owner is 1 to 128 characters of [A-Za-z0-9._-]";
 }
 
-// No entries for a file that is not there; a damaged file is refused.
-Result<std::vector<TokenEntry>> ReadEntries(const std::string& path) {
-  if (access(path.c_str(), F_OK) != 0 && errno == ENOENT) return std::vector<TokenEntry>();
-  TRY(const std::string text, ReadTextFile(path));
-  return ParseTokenFile(text, path);
-}
-
 Result<std::vector<RawTokenEntry>> ReadRawEntries(const std::string& path) {
   TRY(const std::string text, ReadTextFile(path));
   return ParseRawTokenFile(text, path);
 }
 
-// The whole text, then onto the disk.
-bool WriteAll(int descriptor, const std::string& text) {
-  std::size_t done = 0;
-  while (done < text.size()) {
-    const ssize_t count = write(descriptor, text.data() + done, text.size() - done);
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return false;
-    done += static_cast<std::size_t>(count);
-  }
-  return fsync(descriptor) == 0;
-}
-
-// Gives a new file the owner, group and mode of the file at `path`, less what lets others in.
-bool CopyPermissions(const std::string& path, int descriptor) {
-  struct stat old {};
-  if (stat(path.c_str(), &old) != 0) return true;  // mkstemp made the new one 0600
-  // Without the right to give files away it stays ours.
-  if (fchown(descriptor, old.st_uid, old.st_gid) != 0 && errno != EPERM) return false;
-  constexpr mode_t kOthers = S_IRWXO | S_IWGRP | S_IXGRP | S_IXUSR;
-  return fchmod(descriptor, old.st_mode & 0777 & ~kOthers) == 0;
-}
-
-// A new file takes the place of the old one at once, so that no reader sees half of it. It has the
-// mode 0600, or, where there was one, that of the old file without what lets others in, and its
-// owner and group as far as we may set them. Two writers at a time: the last one wins.
-Status ReplaceFile(const std::string& path, const std::string& text) {
-  const auto fault = [&path] {
-    return Fail(FaultKind::kInternal,
-                fmt::format("Cannot write {}: {}.", path, std::generic_category().message(errno)));
-  };
-  std::string fresh = path + ".XXXXXX";
-  const int descriptor = mkstemp(fresh.data());
-  if (descriptor < 0) return fault();
-  const bool written = CopyPermissions(path, descriptor) && WriteAll(descriptor, text);
-  const bool closed = close(descriptor) == 0;
-  if (written && closed && rename(fresh.c_str(), path.c_str()) == 0) return {};
-  Status failed = fault();
-  unlink(fresh.c_str());
-  return failed;
-}
-
 Status Add(const TokenFlags& flags) {
-  TRY(auto entries, ReadEntries(flags.file));
   TRY(const NewToken token, MakeToken());
-  TokenEntry& entry = entries.emplace_back();
+  TokenEntry entry;
   entry.id = token.id;
   entry.owner = flags.owner;
   entry.admin = flags.role == "admin";
@@ -110,7 +56,16 @@ Status Add(const TokenFlags& flags) {
     entry.expires = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()) +
                     std::chrono::days(flags.expires_days);
   }
-  CHECK_OK(ReplaceFile(flags.file, FormatTokenFile(entries)));
+  // A damaged file is refused.
+  const auto append = [&](const std::optional<std::string>& text) -> Result<std::string> {
+    std::vector<TokenEntry> entries;
+    if (text) {
+      TRY(entries, ParseTokenFile(*text, flags.file));
+    }
+    entries.push_back(entry);
+    return FormatTokenFile(entries);
+  };
+  CHECK_OK(ChangeTokenFile(flags.file, append));
   fmt::print("{}\n", token.text);
   fmt::print(stderr, "arapctl: this is the only time that the token is shown; {} has its hash\n",
              flags.file);
@@ -135,19 +90,24 @@ Status List(const TokenFlags& flags) {
 }
 
 Status Revoke(const TokenFlags& flags) {
-  TRY(auto entries, ReadRawEntries(flags.file));
   const bool by_id = !flags.id.empty();
   const std::string& wanted = by_id ? flags.id : flags.owner;
-  const auto count = std::erase_if(entries, [&](const RawTokenEntry& raw) {
-    // A damaged entry without a name is not the one that is wanted by an empty argument.
-    return !wanted.empty() && (by_id ? raw.id : raw.owner) == wanted;
-  });
-  if (count == 0) return Fail(FaultKind::kNotFound, flags.file + " has no such token.");
-  const std::string text = FormatRawTokenFile(entries);
-  CHECK_OK(ReplaceFile(flags.file, text));
+  std::size_t count = 0;
+  std::string left_over;
+  const auto erase = [&](const std::optional<std::string>& text) -> Result<std::string> {
+    if (!text) return ReadTextFile(flags.file);  // says that it is not there
+    TRY(auto entries, ParseRawTokenFile(*text, flags.file));
+    count = std::erase_if(entries, [&](const RawTokenEntry& raw) {
+      // A damaged entry without a name is not the one that is wanted by an empty argument.
+      return !wanted.empty() && (by_id ? raw.id : raw.owner) == wanted;
+    });
+    if (count == 0) return Fail(FaultKind::kNotFound, flags.file + " has no such token.");
+    return left_over = FormatRawTokenFile(entries);
+  };
+  CHECK_OK(ChangeTokenFile(flags.file, erase));
   fmt::print(stderr, "arapctl: {} revoked\n",
              count == 1 ? "1 token" : fmt::format("{} tokens", count));
-  if (const auto left = ParseTokenFile(text, flags.file); !left) {
+  if (const auto left = ParseTokenFile(left_over, flags.file); !left) {
     fmt::print(stderr, "arapctl: {} A server keeps its old tokens until that is mended.\n",
                left.error().message);
   }
