@@ -9,9 +9,6 @@ namespace {
 
 using std::chrono::seconds;
 
-// A registration puts its blob before the record that names it: within this time, or the blob is
-// taken for left behind.
-constexpr seconds kBlobAge{600};
 constexpr seconds kCollectEvery{60};
 
 // What has a place of its own in the lane: such work waits at most for one of its kind.
@@ -57,10 +54,11 @@ Status Engine::Sweep() {
   streams.Sweep(clock.SteadyNow());
   derived.EvictIdle(limits.idle_evict);
   CHECK_OK(sessions.Sweep());
+  CHECK_OK(keeper.Look());
   const auto now = clock.SteadyNow();
   if (now - collected_ < kCollectEvery) return {};
   collected_ = now;
-  if (auto report = CollectBlobs(kBlobAge); !report) return Fail(report.error());
+  CHECK_OK(keeper.Collect(store::kSweepRules));
   return {};
 }
 

@@ -119,6 +119,9 @@ void AddStore(CLI::App& app, Config& config) {
   app.add_option("--blob-dir", store.blob_dir,
                  "Folder for meshes; DIR/blobs for sqlite, shared by all replicas for redis")
       ->group(kGroup);
+  app.add_flag("--allow-lossy-store", store.allow_lossy,
+               "Start also with a Redis that evicts keys or keeps nothing on disk")
+      ->group(kGroup);
 }
 
 void AddLanes(CLI::App& app, app::Lanes& lanes) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 #include <mutex>
+#include <set>
+#include <string>
 #include <utility>
 
 #include <google/protobuf/message.h>
@@ -131,7 +133,8 @@ Host::Host(const HostOptions& options, std::shared_ptr<const runtime::Clock> clo
   for (const runtime::WorkerPool* lane : {&engine_.interactive, &engine_.control}) {
     readiness_.WatchLane(lane->name(), [lane] { return lane->stats(); });
   }
-  readiness_.WatchStore([this] { return engine_.stores.specs->Probe(); });
+  readiness_.WatchStore([this] { return engine_.stores.specs->Probe(); },
+                        [this] { return engine_.keeper.weaknesses(); });
   WatchProcess(engine_.metrics);
   WatchEngine(engine_);
   const auto watch = [this](const runtime::MetricInfo& info, runtime::Metrics::Kind kind,
@@ -220,10 +223,26 @@ void Host::Sweep() {
   sweep_failed_ = !swept;
 }
 
+void Host::LogWeaknesses() {
+  std::set<std::string> now;
+  for (const store::Weakness& weakness : engine_.keeper.weaknesses()) {
+    now.insert(weakness.reason);
+    if (weak_.contains(weakness.reason)) continue;
+    spdlog::log(weakness.grave ? spdlog::level::err : spdlog::level::warn,
+                "event=store_weakness reason={} message=\"{}\"", weakness.reason,
+                weakness.sentence);
+  }
+  for (const std::string& reason : weak_) {
+    if (!now.contains(reason)) spdlog::info("event=store_weakness_gone reason={}", reason);
+  }
+  weak_ = std::move(now);
+}
+
 void Host::RefreshHealth() {
   readiness_.Probe();
   const Verdict verdict = readiness_.Check();
   const MutexLock lock(&health_mutex_);
+  LogWeaknesses();
   if (verdict.state != said_) {
     spdlog::log(verdict.ready() ? spdlog::level::info : spdlog::level::warn,
                 "event=readiness state={} why=\"{}\"", StateName(verdict.state), verdict.why);

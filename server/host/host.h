@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -81,6 +82,8 @@ class Host {
   const Readiness& readiness() const { return readiness_; }
 
   // Asks the store and the lanes, and tells grpc.health. Happens by itself every second.
+  // Each when it is seen first, and again when it has gone.
+  void LogWeaknesses() ABSL_EXCLUSIVE_LOCKS_REQUIRED(health_mutex_);
   void RefreshHealth();
 
   // Not ready and NOT_SERVING from now on, while everything goes on working: load balancers look
@@ -119,6 +122,7 @@ class Host {
   std::unique_ptr<AdminHttp> admin_;
   Mutex health_mutex_;  // what is said to grpc.health follows the order of what is found
   Verdict::State said_ ABSL_GUARDED_BY(health_mutex_) = Verdict::State::kReady;
+  std::set<std::string> weak_ ABSL_GUARDED_BY(health_mutex_);  // reasons that were logged
   std::unique_ptr<runtime::Ticker> health_ticker_;
   std::function<void()> on_deaf_;  // of the thread that dials
   std::unique_ptr<runtime::Ticker> dial_ticker_;

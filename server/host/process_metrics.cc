@@ -1,10 +1,12 @@
 #include "server/host/process_metrics.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <string_view>
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -105,6 +107,17 @@ void WatchEngine(app::Engine& engine) {
                 [&engine] { return static_cast<double>(engine.streams.count()); });
   metrics.Watch(metric::kSessions, Kind::kGauge, {},
                 [&engine] { return static_cast<double>(engine.sessions.in_memory()); });
+  for (const char* reason : store::kWeaknesses) {
+    metrics.Watch(metric::kStoreWeakness, Kind::kGauge, {{"reason", reason}}, [&engine, reason] {
+      const auto weaknesses = engine.keeper.weaknesses();
+      return std::any_of(weaknesses.begin(), weaknesses.end(),
+                         [reason](const store::Weakness& weakness) {
+                           return std::string_view(weakness.reason) == reason;
+                         })
+                 ? 1.0
+                 : 0.0;
+    });
+  }
   for (const app::DerivedKind kind :
        {app::DerivedKind::kMesh, app::DerivedKind::kHandleSet, app::DerivedKind::kSurface}) {
     metrics.ServeCache(app::NameOf(kind));

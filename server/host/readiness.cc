@@ -80,13 +80,19 @@ Verdict Readiness::Check() const {
                           stats.waiting, lane.name, stalled.count())};
     }
   }
+  Verdict verdict;
+  for (const store::Weakness& weakness :
+       weaknesses_ ? weaknesses_() : std::vector<store::Weakness>()) {
+    if (weakness.grave) verdict.state = Verdict::State::kStore;
+    verdict.why += (verdict.why.empty() ? "" : " ") + weakness.sentence;
+  }
   const MutexLock lock(&mutex_);
   if (probing_since_ && clock_.SteadyNow() - *probing_since_ > stuck_after_) {
     return {Verdict::State::kStore, "The store does not answer."};
   }
   if (deaf_since_) return {Verdict::State::kDeaf, "The server lets nobody in."};
   if (!store_fault_.empty()) return {Verdict::State::kStore, store_fault_};
-  return {};
+  return verdict;
 }
 
 }  // namespace arap::host

@@ -11,6 +11,7 @@
 #include "core/base/mutex.h"
 #include "server/runtime/clock.h"
 #include "server/runtime/worker_pool.h"
+#include "server/store/store.h"
 
 namespace arap::host {
 
@@ -23,7 +24,8 @@ struct Verdict {
     kDeaf,      // nobody is let in any more
   };
   State state = State::kReady;
-  std::string why;  // a sentence without secrets; empty when ready
+  // Sentences without secrets; empty when ready and nothing is wrong with the store.
+  std::string why;
 
   bool ready() const { return state == State::kReady; }
 };
@@ -43,8 +45,13 @@ class Readiness {
   // Before the first Check. A lane is stuck when one of its jobs runs for longer than the patience,
   // or one waits for that long while none has ended. Not for lanes whose jobs may be long.
   void WatchLane(std::string name, LaneStats stats);
-  // Before the first Probe. `probe` may block: only Probe calls it.
-  void WatchStore(std::function<Status()> probe) { probe_ = std::move(probe); }
+  // Before the first Probe. `probe` may block: only Probe calls it. `weaknesses` never blocks: a
+  // grave one is a reason not to be ready, the others are told beside "ready".
+  using Weaknesses = std::function<std::vector<store::Weakness>()>;
+  void WatchStore(std::function<Status()> probe, Weaknesses weaknesses = {}) {
+    probe_ = std::move(probe);
+    weaknesses_ = std::move(weaknesses);
+  }
 
   // Asks the store and keeps the answer. To be called every second or so, from one thread.
   void Probe();
@@ -70,6 +77,7 @@ class Readiness {
   const runtime::Clock& clock_;
   std::vector<Lane> lanes_;
   std::function<Status()> probe_;
+  Weaknesses weaknesses_;
   mutable Mutex mutex_;
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<runtime::Clock::Steady> probing_since_ ABSL_GUARDED_BY(mutex_);

@@ -48,6 +48,10 @@ inline constexpr MetricInfo kStoreSeconds{"arapd_store_seconds",
                                           "How long the store took to answer."};
 inline constexpr MetricInfo kStoreFailures{"arapd_store_failures_total",
                                            "Operations that the store could not do."};
+inline constexpr MetricInfo kStoreWeakness{
+    "arapd_store_weakness",
+    "1 while the store may lose what it has acknowledged, or something else is wrong with it, by "
+    "reason."};
 
 // What was computed and is kept, by cache or kind.
 inline constexpr MetricInfo kCacheHits{"arapd_cache_hits_total", "Look-ups that found something."};

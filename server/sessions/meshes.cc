@@ -66,7 +66,7 @@ Result<Registration> RegisterMesh(Workshop& workshop, const Caller& caller,
     CHECK_OK(workshop.stores.blobs->Put(hash, bytes));
     const auto add = [&](store::SessionRecord& record) -> Result<bool> {
       TRY(const bool there, HasMesh(record, mesh_id, hash, workshop.limits));
-      if (!there) record.meshes[mesh_id] = {hash};
+      if (!there) record.meshes[mesh_id] = {hash, bytes.size()};
       return !there;
     };
     TRY(const auto stored, workshop.sessions.Change(caller, *session, add));

@@ -97,7 +97,7 @@ Result<HandleSetEntry> WarmHandleSet(Workshop& workshop, const Caller& caller,
   const auto record = session.record();
   TRY(auto set, FindHandleSet(*record, handle_set_id));
   const std::string& blob = record->meshes.at(set.mesh_id).blob;
-  HandleSetEntry entry{handle_set_id, set.mesh_id, set.definitions, nullptr, set.revision};
+  HandleSetEntry entry{handle_set_id, set.mesh_id, set.definitions, nullptr, set.revision, blob};
   const auto kept = workshop.derived.Find<CompiledSet>(HandleSetKey(session.key(), handle_set_id));
   if (kept && IsOf(*kept, set, blob)) {
     entry.handles = HandlesOf(kept);

@@ -33,6 +33,7 @@ struct HandleSetEntry {
   store::HandleDefinitions definitions;
   std::shared_ptr<const CompiledHandles> handles;
   std::uint64_t revision = 1;  // grows by one with every edit
+  std::string blob = {};       // of the mesh that they were compiled on
 };
 
 // Warm is what the next call finds in the cache. These never block and count no look-up.

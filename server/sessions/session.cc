@@ -61,13 +61,18 @@ void Session::Reload(store::SessionRecord record, Room room) {
   Replace(std::make_shared<const store::SessionRecord>(std::move(record)), std::move(room));
 }
 
-runtime::Clock::Wall Session::WallExpiryLocked() const {
-  return clock_.WallNow() + duration_cast<milliseconds>(expires_ - clock_.SteadyNow());
+runtime::Clock::Wall Session::ExpiryAtLocked(runtime::Clock::Wall now) const {
+  return now + duration_cast<milliseconds>(expires_ - clock_.SteadyNow());
+}
+
+runtime::Clock::Wall Session::ExpiryAt(runtime::Clock::Wall now) const {
+  const MutexLock lock(&mutex_);
+  return ExpiryAtLocked(now);
 }
 
 SessionView Session::View() const {
   const MutexLock lock(&mutex_);
-  return ViewOf(*record_, WallExpiryLocked());
+  return ViewOf(*record_, ExpiryAtLocked(clock_.WallNow()));
 }
 
 Status Session::Touch() {
@@ -84,10 +89,11 @@ bool Session::expired() const {
   return clock_.SteadyNow() >= expires_;
 }
 
-bool Session::NeedsStoring(runtime::Clock::Wall* expires) const {
+bool Session::NeedsStoring(runtime::Clock::Wall now, runtime::Clock::Wall* expires) const {
   const MutexLock lock(&mutex_);
-  const auto wanted = WallExpiryLocked() + kStoredLonger;
-  if (ended_ || wanted - stored_expires_ < kStoredLonger / 2) return false;
+  const auto wanted = ExpiryAtLocked(now) + kStoredLonger;
+  const milliseconds lag = ttl_ < kShortTtl ? kStoredLonger / 6 : kStoredLonger / 2;
+  if (ended_ || wanted - stored_expires_ < lag) return false;
   *expires = std::chrono::time_point_cast<milliseconds>(wanted);
   return true;
 }
@@ -95,6 +101,11 @@ bool Session::NeedsStoring(runtime::Clock::Wall* expires) const {
 void Session::Stored(runtime::Clock::Wall expires) {
   const MutexLock lock(&mutex_);
   stored_expires_ = std::max(stored_expires_, expires);
+}
+
+void Session::Shifted(milliseconds jump) {
+  const MutexLock lock(&mutex_);
+  stored_expires_ += jump;
 }
 
 runtime::Clock::Wall Session::stored_expires() const {

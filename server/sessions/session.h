@@ -41,8 +41,12 @@ struct SessionView {
 };
 
 // How much longer than it was told to live a session is stored. Its expiry moves with every use;
-// the store follows with every sweep, and a crash in between must not shorten a life.
+// the store follows with every sweep, and a crash in between must not shorten a life. Other
+// processes take a session for ended half of that before the stored expiry, so the stored one is
+// moved when it lags behind by half, or by a sixth where the life is short: then a sweep may be many
+// seconds late before another process is misled.
 inline constexpr std::chrono::milliseconds kStoredLonger = std::chrono::seconds(30);
+inline constexpr std::chrono::milliseconds kShortTtl = std::chrono::seconds(60);
 
 // Thread-safe. Records are immutable and shared: looking costs a pointer. Only the registry
 // replaces them.
@@ -68,9 +72,14 @@ class Session {
   // Extends the life to a ttl from now. Never blocks. kNotFound when it has ended or expired.
   Status Touch();
   bool expired() const;
-  // The expiry that should be stored, if the stored one is about to be overtaken. Then `Stored`.
-  bool NeedsStoring(runtime::Clock::Wall* expires) const;
+  // The expiry on a clock that says `now`.
+  runtime::Clock::Wall ExpiryAt(runtime::Clock::Wall now) const;
+  // The expiry that should be stored, if the stored one is about to be overtaken; `now` is the
+  // store's time. Then `Stored`.
+  bool NeedsStoring(runtime::Clock::Wall now, runtime::Clock::Wall* expires) const;
   void Stored(runtime::Clock::Wall expires);
+  // The stored expiry was moved together with the store's clock.
+  void Shifted(std::chrono::milliseconds jump);
   runtime::Clock::Wall stored_expires() const;
 
   // Ends the session and calls the listeners once, in this thread.
@@ -81,7 +90,8 @@ class Session {
   void RemoveEndListener(std::uint64_t id);
 
  private:
-  runtime::Clock::Wall WallExpiryLocked() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  runtime::Clock::Wall ExpiryAtLocked(runtime::Clock::Wall now) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const store::SessionKey key_;
   const std::chrono::milliseconds ttl_;

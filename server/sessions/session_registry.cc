@@ -7,6 +7,7 @@
 
 #include "core/base/names.h"
 #include "core/base/try.h"
+#include "core/token/digest.h"
 #include "server/budget/faults.h"
 
 namespace arap::app {
@@ -16,6 +17,7 @@ using std::chrono::milliseconds;
 
 // Expired records that one sweep removes at most.
 constexpr std::size_t kSweep = 1'000;
+constexpr std::size_t kIncarnationDigits = 16;
 constexpr std::size_t kDefaultPageSize = 100;
 
 runtime::Clock::Wall WholeMilliseconds(runtime::Clock::Wall time) {
@@ -25,8 +27,14 @@ runtime::Clock::Wall WholeMilliseconds(runtime::Clock::Wall time) {
 // What a change adds, for the quotas of its owner.
 store::Usage Added(const store::SessionRecord& before, const store::SessionRecord& after) {
   const auto more = [](std::size_t now, std::size_t then) { return now > then ? now - then : 0; };
+  const auto bytes = [](const store::SessionRecord& record) {
+    std::size_t sum = 0;
+    for (const auto& [id, mesh] : record.meshes) sum += mesh.bytes;
+    return sum;
+  };
   return {.meshes = more(after.meshes.size(), before.meshes.size()),
-          .handle_sets = more(after.handle_sets.size(), before.handle_sets.size())};
+          .handle_sets = more(after.handle_sets.size(), before.handle_sets.size()),
+          .bytes = more(bytes(after), bytes(before))};
 }
 
 }  // namespace
@@ -38,6 +46,7 @@ SessionRegistry::SessionRegistry(const Limits& limits, const runtime::Clock& clo
       clock_(clock),
       store_(store),
       memory_(memory),
+      time_(store, clock),
       released_(std::move(released)),
       quotas_(limits, store) {}
 
@@ -83,17 +92,9 @@ void SessionRegistry::Drop(const Held&, const Found& session) {
 Status SessionRegistry::Expire(const Held& held, const Found& session) {
   // The id may have been freed and taken anew meanwhile.
   if (InMemory(session->key()) != session) return {};
-  bool ours = true;
-  if (store_.shared()) {
-    auto record = store_.Load(session->key());
-    // What cannot be read is the store's to remove, when it expires there.
-    if (!record && record.error().kind != FaultKind::kDataLoss) {
-      return Fail(std::move(record.error()));
-    }
-    ours = record && *record && (*record)->expires <= session->stored_expires();
-  }
-  if (ours) {
-    if (auto removed = store_.Remove(session->key()); !removed) return Fail(removed.error());
+  // Not what another process has extended meanwhile.
+  if (auto removed = store_.RemoveAsOf(session->key(), session->stored_expires()); !removed) {
+    return Fail(removed.error());
   }
   Drop(held, session);
   return {};
@@ -115,8 +116,8 @@ Status SessionRegistry::ExpireAll(const std::string* owner, Busy busy) {
 
 Result<bool> SessionRegistry::IsCurrent(const Session& session) {
   if (!store_.shared()) return true;
-  TRY(const auto revision, store_.Revision(session.key()));
-  return revision && *revision == session.record()->revision;
+  TRY(const auto version, store_.Version(session.key()));
+  return version && *version == store::VersionOf(*session.record());
 }
 
 Result<SessionRegistry::Found> SessionRegistry::Find(const store::SessionKey& key) {
@@ -144,16 +145,20 @@ Result<SessionRegistry::Found> SessionRegistry::Find(const Held& held,
 
 Result<SessionRegistry::Found> SessionRegistry::Load(const Held& held, const store::SessionKey& key,
                                                      Found session) {
+  CHECK_OK(time_.Refresh());
   TRY(auto loaded, store_.Load(key));
   // Stored longer than told, and the store may lag behind by half of that.
-  const auto now = clock_.WallNow();
+  const auto now = time_.Now();
   const auto expires = loaded ? loaded->expires - kStoredLonger / 2 : now;
   if (now >= expires) {
     if (session) Drop(held, session);
-    if (loaded) {
-      if (auto removed = store_.Remove(key); !removed) return Fail(removed.error());
-    }
+    if (loaded) CHECK_OK(store_.RemoveAsOf(key, loaded->expires));
     return Fail(NotFound("session", key.id));
+  }
+  // Another process has ended the session and opened another one under its id.
+  if (session && session->record()->incarnation != loaded->incarnation) {
+    Drop(held, session);
+    session = nullptr;
   }
   auto room = memory_.Hold(key.owner, BytesOf(*loaded));
   if (session) {
@@ -189,11 +194,13 @@ Result<SessionView> SessionRegistry::Create(const Held& held, const Caller& call
   if (found.error().kind != FaultKind::kNotFound) return Fail(found.error());
   TRY(const OwnerQuotas::Place place, quotas_.Take(caller, {.sessions = 1}));
 
+  CHECK_OK(time_.Refresh());
   auto record = std::make_shared<store::SessionRecord>();
   record->key = key;
+  TRY(record->incarnation, RandomHex(kIncarnationDigits));
   record->ttl = spec.ttl;
   record->labels = spec.labels;
-  record->created = WholeMilliseconds(clock_.WallNow());
+  record->created = WholeMilliseconds(time_.Now());
   record->expires = record->created + record->ttl + kStoredLonger;
   TRY(const bool put, store_.Put(*record));
   if (!put) {
@@ -237,7 +244,7 @@ Result<SessionPage> SessionRegistry::List(const std::string& owner, std::size_t 
     records.resize(size);
     page.next_token = records.back().key.id;
   }
-  const auto now = clock_.WallNow();
+  const auto now = time_.Now();
   for (const store::SessionRecord& record : records) {
     const Found session = InMemory(record.key);
     const auto expires = record.expires - kStoredLonger / 2;
@@ -284,7 +291,7 @@ Result<Session::Record> SessionRegistry::Change(const Caller& caller, Session& s
     TRY(auto room, RoomFor(caller, *before, *after));
     ++after->revision;
     after->expires =
-        WholeMilliseconds(std::max(before->expires, session.View().expires + kStoredLonger));
+        WholeMilliseconds(std::max(before->expires, session.ExpiryAt(time_.Now()) + kStoredLonger));
     TRY(const bool put, store_.Put(*after));
     if (put) {
       session.Replace(after, std::move(room));
@@ -292,7 +299,7 @@ Result<Session::Record> SessionRegistry::Change(const Caller& caller, Session& s
     }
     // Another process changed or removed it.
     TRY(auto now, store_.Load(session.key()));
-    if (!now) {
+    if (!now || now->incarnation != before->incarnation) {
       if (const Found ours = InMemory(session.key()); ours.get() == &session) Drop(held, ours);
       return Fail(NotFound("session", session.key().id));
     }
@@ -315,8 +322,10 @@ bool SessionRegistry::InUse(const std::string& owner, const std::string& blob) c
 
 Status SessionRegistry::StoreExpiry(const Held& held, const Found& session) {
   runtime::Clock::Wall expires;
-  if (InMemory(session->key()) != session || !session->NeedsStoring(&expires)) return {};
-  TRY(const bool there, store_.Extend(session->key(), expires));
+  if (InMemory(session->key()) != session || !session->NeedsStoring(time_.Now(), &expires)) {
+    return {};
+  }
+  TRY(const bool there, store_.Extend(session->key(), session->record()->incarnation, expires));
   if (there) {
     session->Stored(expires);
   } else {
@@ -325,23 +334,35 @@ Status SessionRegistry::StoreExpiry(const Held& held, const Found& session) {
   return {};
 }
 
+Status SessionRegistry::FollowClock() {
+  CHECK_OK(time_.Refresh());
+  const milliseconds jump = time_.Jump();
+  if (jump == milliseconds::zero()) return {};
+  CHECK_OK(store_.Shift(jump));
+  for (const Found& session : InMemory([](const Session&) { return true; })) session->Shifted(jump);
+  time_.Adopt(jump);
+  return {};
+}
+
 Status SessionRegistry::Sweep() {
-  const auto moved = [](const Session& session) {
+  CHECK_OK(FollowClock());
+  const auto now = time_.Now();
+  const auto moved = [now](const Session& session) {
     runtime::Clock::Wall expires;
-    return session.NeedsStoring(&expires);
+    return session.NeedsStoring(now, &expires);
   };
   for (const Found& session : InMemory(moved)) {
     if (const auto held = locks_.TryTake(session->key())) CHECK_OK(StoreExpiry(*held, session));
   }
   CHECK_OK(ExpireAll(nullptr, Busy::kSkip));
-  TRY(const auto removed, store_.RemoveExpired(clock_.WallNow(), kSweep));
+  TRY(const auto removed, store_.RemoveExpired(time_.Now(), kSweep));
   for (const store::SessionKey& key : removed) {
     if (InMemory(key) == nullptr) continue;
     const auto held = locks_.TryTake(key);
     if (!held) continue;
     // The id may have been taken anew meanwhile.
-    TRY(const auto revision, store_.Revision(key));
-    if (const Found session = InMemory(key); session && !revision) Drop(*held, session);
+    TRY(const auto version, store_.Version(key));
+    if (const Found session = InMemory(key); session && !version) Drop(*held, session);
   }
   return {};
 }

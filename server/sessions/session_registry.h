@@ -18,6 +18,7 @@
 #include "server/sessions/session.h"
 #include "server/sessions/session_locks.h"
 #include "server/store/store.h"
+#include "server/store/store_clock.h"
 
 namespace arap::app {
 
@@ -41,7 +42,7 @@ struct SessionPage {
 //     store, except to end expired sessions when a quota seems full, and except for the last places
 //     of a quota (owner_quotas.h).
 //   - Looking a session up takes no lock while memory is up to date: always where this process
-//     alone has the records, else when the revision in the store is the one in memory.
+//     alone has the records, else when the version in the store is the one in memory.
 //   - Processes that share a store compare and put: a change that finds another revision than it
 //     began with is done again on what is stored now.
 //   - mutex_ guards the map alone, for moments; no store is asked under it.
@@ -123,6 +124,9 @@ class SessionRegistry {
   // extended it.
   Status Expire(const Held& held, const Found& session);
   Status StoreExpiry(const Held& held, const Found& session);
+  // Keeps the store's time. When the clock of this machine was set, and it is the store's, what is
+  // stored is moved with it, so that nobody's life becomes shorter.
+  Status FollowClock();
 
   // Ends what has expired in memory, of one owner or (null) of all.
   Status ExpireAll(const std::string* owner, Busy busy);
@@ -131,6 +135,7 @@ class SessionRegistry {
   const runtime::Clock& clock_;
   store::SpecStore& store_;
   DerivedCache& memory_;
+  store::StoreClock time_;  // by which sessions expire in the store
   const std::function<void(const store::SessionRecord&)> released_;
   SessionLocks locks_;
   OwnerQuotas quotas_;

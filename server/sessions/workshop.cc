@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "core/base/try.h"
-
 namespace arap::app {
 
 DerivedKey MeshKey(const std::string& owner, const std::string& blob) {
@@ -20,6 +18,7 @@ Workshop::Workshop(const Limits& the_limits, const runtime::Clock& the_clock,
     : limits(the_limits),
       clock(the_clock),
       stores(store::Measured(std::move(the_stores), metrics)),
+      keeper(*stores.specs, *stores.blobs, clock, stores.allow_lossy),
       derived(limits.max_bytes, {limits.max_cached_surfaces, limits.max_cached_surface_bytes},
               clock),
       sessions(limits, clock, *stores.specs, derived,
@@ -29,11 +28,6 @@ Workshop::Workshop(const Limits& the_limits, const runtime::Clock& the_clock,
          hit ? metrics.CacheHit(NameOf(kind)) : metrics.CacheMiss(NameOf(kind));
        },
        [this](DerivedKind kind, std::size_t bytes) { metrics.Evicted(NameOf(kind), bytes); }});
-}
-
-Result<store::SweepReport> Workshop::CollectBlobs(std::chrono::seconds age) {
-  TRY(const auto referenced, stores.specs->ReferencedBlobs());
-  return stores.blobs->Sweep(referenced, age);
 }
 
 void Workshop::ReleaseHandleSet(const store::SessionKey& session,

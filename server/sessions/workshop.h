@@ -2,7 +2,6 @@
 // from them.
 #pragma once
 
-#include <chrono>
 #include <functional>
 #include <string>
 
@@ -12,6 +11,7 @@
 #include "server/runtime/metrics.h"
 #include "server/sessions/session_registry.h"
 #include "server/store/open_store.h"
+#include "server/store/store_keeper.h"
 
 namespace arap::app {
 
@@ -26,9 +26,6 @@ struct Workshop {
   Workshop(const Workshop&) = delete;
   Workshop& operator=(const Workshop&) = delete;
 
-  // Removes blobs that no record names and that are older than `age`.
-  Result<store::SweepReport> CollectBlobs(std::chrono::seconds age);
-
   // Forgets what was computed for a session, or for a handle set or a mesh of it, that is no more.
   void Release(const store::SessionRecord& record);
   void ReleaseHandleSet(const store::SessionKey& session, const std::string& handle_set_id);
@@ -38,6 +35,7 @@ struct Workshop {
   const Limits limits;
   const runtime::Clock& clock;
   const store::Stores stores;
+  store::StoreKeeper keeper;
   DerivedCache derived;
   SessionRegistry sessions;
 };

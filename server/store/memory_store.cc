@@ -13,11 +13,11 @@ Result<std::optional<SessionRecord>> MemorySpecStore::Load(const SessionKey& key
   return found->second;
 }
 
-Result<std::optional<std::uint64_t>> MemorySpecStore::Revision(const SessionKey& key) {
+Result<std::optional<RecordVersion>> MemorySpecStore::Version(const SessionKey& key) {
   const MutexLock lock(&mutex_);
   const auto found = records_.find(key);
   if (found == records_.end()) return std::nullopt;
-  return found->second.revision;
+  return VersionOf(found->second);
 }
 
 Result<bool> MemorySpecStore::Put(const SessionRecord& record) {
@@ -25,14 +25,16 @@ Result<bool> MemorySpecStore::Put(const SessionRecord& record) {
   const auto found = records_.find(record.key);
   const std::uint64_t before = found == records_.end() ? 0 : found->second.revision;
   if (before + 1 != record.revision) return false;
+  if (before > 0 && found->second.incarnation != record.incarnation) return false;
   records_.insert_or_assign(record.key, record);
   return true;
 }
 
-Result<bool> MemorySpecStore::Extend(const SessionKey& key, runtime::Clock::Wall expires) {
+Result<bool> MemorySpecStore::Extend(const SessionKey& key, const std::string& incarnation,
+                                     runtime::Clock::Wall expires) {
   const MutexLock lock(&mutex_);
   const auto found = records_.find(key);
-  if (found == records_.end()) return false;
+  if (found == records_.end() || found->second.incarnation != incarnation) return false;
   found->second.expires = expires;
   return true;
 }
@@ -40,6 +42,14 @@ Result<bool> MemorySpecStore::Extend(const SessionKey& key, runtime::Clock::Wall
 Result<bool> MemorySpecStore::Remove(const SessionKey& key) {
   const MutexLock lock(&mutex_);
   return records_.erase(key) > 0;
+}
+
+Result<bool> MemorySpecStore::RemoveAsOf(const SessionKey& key, runtime::Clock::Wall expires) {
+  const MutexLock lock(&mutex_);
+  const auto found = records_.find(key);
+  if (found == records_.end() || found->second.expires != expires) return false;
+  records_.erase(found);
+  return true;
 }
 
 Result<std::vector<SessionRecord>> MemorySpecStore::List(const std::string& owner,
@@ -71,6 +81,7 @@ Result<Usage> MemorySpecStore::UsageOf(const std::string& owner) {
     ++usage.sessions;
     usage.meshes += at->second.meshes.size();
     usage.handle_sets += at->second.handle_sets.size();
+    for (const auto& [id, mesh] : at->second.meshes) usage.bytes += mesh.bytes;
   }
   return usage;
 }
@@ -93,6 +104,12 @@ Result<std::vector<SessionKey>> MemorySpecStore::RemoveExpired(runtime::Clock::W
     at = records_.erase(at);
   }
   return removed;
+}
+
+Status MemorySpecStore::Shift(std::chrono::milliseconds by) {
+  const MutexLock lock(&mutex_);
+  for (auto& [key, record] : records_) record.expires += by;
+  return {};
 }
 
 Result<std::set<std::string>> MemorySpecStore::ReferencedBlobs() {
@@ -120,13 +137,13 @@ Result<std::string> MemoryBlobStore::Get(const std::string& hash) {
 }
 
 Result<SweepReport> MemoryBlobStore::Sweep(const std::set<std::string>& referenced,
-                                           std::chrono::seconds age) {
+                                           const SweepRules& rules) {
   const MutexLock lock(&mutex_);
   const auto now = std::chrono::steady_clock::now();
   SweepReport report;
   for (auto at = blobs_.begin(); at != blobs_.end();) {
     const std::size_t bytes = at->second.bytes.size();
-    if (referenced.contains(at->first) || now - at->second.put < age) {
+    if (referenced.contains(at->first) || now - at->second.put < rules.age) {
       ++report.kept;
       report.kept_bytes += bytes;
       ++at;

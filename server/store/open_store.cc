@@ -36,12 +36,32 @@ Status AddBlobs(const std::string& directory, Stores& stores) {
   return {};
 }
 
+// Refuses a store that says that it loses what it acknowledges, and blobs that are another store's,
+// unless losses are allowed. What cannot be reached yet is asked later (store_keeper.h).
+Status CheckFacts(const StoreOptions& options, Stores& stores) {
+  stores.allow_lossy = options.allow_lossy;
+  if (options.allow_lossy) return {};
+  const auto facts = stores.specs->Facts();
+  if (!facts) return {};
+  for (const Weakness& weakness : facts->weaknesses) {
+    if (!weakness.grave) continue;
+    return Fail(FaultKind::kStoreUnavailable,
+                weakness.sentence + " If that may be so, start with --allow-lossy-store.");
+  }
+  return stores.blobs->Claim(facts->id);
+}
+
 Result<Stores> OpenSqlite(const StoreOptions& options) {
   const std::string directory = WithoutSlash(options.store.substr(kSqlite.size()));
   if (const int error = MakeDirectory(directory); error != 0) {
     Fault fault = UnavailableErrno(error);
     fault.message = fmt::format("{}: {}", directory, fault.message);
     return Fail(fault.Detail("directory", directory));
+  }
+  if (OthersMayWrite(directory)) {
+    return Fail(
+        Unavailable(fmt::format("everybody may write into its folder {}; chmod o-w it", directory))
+            .Detail("directory", directory));
   }
   TRY(auto specs, SqliteSpecStore::Open(directory, options.on_recovery));
   Stores stores;
@@ -50,6 +70,7 @@ Result<Stores> OpenSqlite(const StoreOptions& options) {
   const std::string blobs =
       options.blob_dir.empty() ? directory + "/blobs" : WithoutSlash(options.blob_dir);
   CHECK_OK(AddBlobs(blobs, stores));
+  CHECK_OK(CheckFacts(options, stores));
   return stores;
 }
 
@@ -60,6 +81,7 @@ Result<Stores> OpenRedis(const StoreOptions& options) {
   Stores stores;
   stores.specs = std::make_unique<RedisSpecStore>(std::move(redis));
   CHECK_OK(AddBlobs(WithoutSlash(options.blob_dir), stores));
+  CHECK_OK(CheckFacts(options, stores));
   return stores;
 }
 
@@ -79,17 +101,21 @@ class MeasuredSpecs final : public SpecStore {
   Result<std::optional<SessionRecord>> Load(const SessionKey& key) override {
     return Timed(metrics_, "load", [&] { return store_->Load(key); });
   }
-  Result<std::optional<std::uint64_t>> Revision(const SessionKey& key) override {
-    return Timed(metrics_, "revision", [&] { return store_->Revision(key); });
+  Result<std::optional<RecordVersion>> Version(const SessionKey& key) override {
+    return Timed(metrics_, "version", [&] { return store_->Version(key); });
   }
   Result<bool> Put(const SessionRecord& record) override {
     return Timed(metrics_, "put", [&] { return store_->Put(record); });
   }
-  Result<bool> Extend(const SessionKey& key, runtime::Clock::Wall expires) override {
-    return Timed(metrics_, "extend", [&] { return store_->Extend(key, expires); });
+  Result<bool> Extend(const SessionKey& key, const std::string& incarnation,
+                      runtime::Clock::Wall expires) override {
+    return Timed(metrics_, "extend", [&] { return store_->Extend(key, incarnation, expires); });
   }
   Result<bool> Remove(const SessionKey& key) override {
     return Timed(metrics_, "remove", [&] { return store_->Remove(key); });
+  }
+  Result<bool> RemoveAsOf(const SessionKey& key, runtime::Clock::Wall expires) override {
+    return Timed(metrics_, "remove", [&] { return store_->RemoveAsOf(key, expires); });
   }
   Result<std::vector<SessionRecord>> List(const std::string& owner, const std::string& after,
                                           std::size_t limit) override {
@@ -108,8 +134,17 @@ class MeasuredSpecs final : public SpecStore {
                                                 std::size_t limit) override {
     return Timed(metrics_, "remove_expired", [&] { return store_->RemoveExpired(now, limit); });
   }
+  Status Shift(std::chrono::milliseconds by) override {
+    return Timed(metrics_, "shift", [&] { return store_->Shift(by); });
+  }
   Result<std::set<std::string>> ReferencedBlobs() override {
     return Timed(metrics_, "referenced_blobs", [&] { return store_->ReferencedBlobs(); });
+  }
+  Result<std::optional<runtime::Clock::Wall>> Time() override {
+    return Timed(metrics_, "time", [&] { return store_->Time(); });
+  }
+  Result<StoreFacts> Facts() override {
+    return Timed(metrics_, "facts", [&] { return store_->Facts(); });
   }
   bool shared() const override { return store_->shared(); }
   Status Probe() override {
@@ -133,8 +168,11 @@ class MeasuredBlobs final : public BlobStore {
     return Timed(metrics_, "blob_get", [&] { return store_->Get(hash); });
   }
   Result<SweepReport> Sweep(const std::set<std::string>& referenced,
-                            std::chrono::seconds age) override {
-    return Timed(metrics_, "blob_sweep", [&] { return store_->Sweep(referenced, age); });
+                            const SweepRules& rules) override {
+    return Timed(metrics_, "blob_sweep", [&] { return store_->Sweep(referenced, rules); });
+  }
+  Status Claim(const std::string& store_id) override {
+    return Timed(metrics_, "blob_claim", [&] { return store_->Claim(store_id); });
   }
 
  private:
@@ -149,11 +187,13 @@ Status CheckStore(const StoreOptions& options) {
   if (store.starts_with(kRedis)) {
     CHECK_OK(ParseRedisUrl(store));
     if (!options.blob_dir.empty()) return {};
-    return Fail(Malformed("With redis a blob directory that all replicas share has to be named.",
-                          "blob_dir"));
+    return Fail(
+        Malformed("With redis, --blob-dir is needed, a folder for the meshes that all replicas "
+                  "share.",
+                  "blob_dir"));
   }
   if (store == "memory" || (store.starts_with(kSqlite) && store.size() > kSqlite.size())) return {};
-  return Fail(Malformed(fmt::format("The store {} is none of memory, sqlite:DIR and "
+  return Fail(Malformed(fmt::format("--store {} is none of memory, sqlite:DIR and "
                                     "redis://[:PASSWORD@]HOST[:PORT][/DB].",
                                     StoreForLog(options)),
                         "store"));

@@ -20,6 +20,10 @@ struct StoreOptions {
   // Where blobs are. With sqlite DIR/blobs when empty; with redis a folder that all replicas share;
   // without meaning for memory.
   std::string blob_dir;
+  // Starts also with a store that may lose what it has acknowledged: a Redis that evicts keys or
+  // writes nothing to disk. Then blobs that are another store's, as they are when Redis has lost
+  // everything, are no reason not to start either; they are not swept.
+  bool allow_lossy = false;
   // Hears of databases that were repaired after opening; called within a call of the store.
   std::function<void(const Recovery&)> on_recovery;
 };
@@ -29,6 +33,7 @@ struct Stores {
   std::unique_ptr<BlobStore> blobs;
   // The database was damaged: what became of it.
   std::optional<Recovery> recovery;
+  bool allow_lossy = false;  // as in the options
 };
 
 // Whether the options are well-formed; looks at nothing else. kInvalidOption with the field "store"
@@ -36,8 +41,9 @@ struct Stores {
 Status CheckStore(const StoreOptions& options);
 
 // Makes DIR and the blob directory, with mode 0700, in parents that are there. Redis need not be
-// reachable yet. The faults of CheckStore, and kStoreUnavailable, naming the directory, for one that
-// cannot be used or is in use by another server.
+// reachable yet. The faults of CheckStore; kStoreUnavailable, naming the directory, for one that
+// cannot be used or is in use by another server, and for a store that may lose what it has
+// acknowledged; kInvalidOption with the field "blob_dir" for blobs that are another store's.
 Result<Stores> OpenStores(const StoreOptions& options);
 
 // The same stores, with the time and the outcome of every call in the metrics, which outlive them.

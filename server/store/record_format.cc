@@ -15,6 +15,8 @@ namespace {
 
 using Json = nlohmann::json;
 
+// Grows when a reader of the format before could not make the session of a record. Members that it
+// may do without are added under the same number.
 constexpr std::uint64_t kFormat = 1;
 
 // Takes JSON apart without trusting it. Every read of a value that is missing or of another type
@@ -202,6 +204,7 @@ SessionRecord ReadRecord(RecordReader& reader, const Json& json) {
   reader.Check(format == kFormat);
   reader.String(json, "owner", record.key.owner);
   reader.String(json, "id", record.key.id);
+  if (json.contains("incarnation")) reader.String(json, "incarnation", record.incarnation);
   reader.Number(json, "revision", record.revision);
   reader.Number(json, "ttl_ms", ttl);
   reader.Number(json, "created_ms", created);
@@ -213,7 +216,9 @@ SessionRecord ReadRecord(RecordReader& reader, const Json& json) {
     reader.String(value, record.labels[key]);
   }
   for (const auto& [id, mesh] : reader.Object(json, "meshes").items()) {
-    reader.String(mesh, "blob", record.meshes[id].blob);
+    MeshRecord& read = record.meshes[id];
+    reader.String(mesh, "blob", read.blob);
+    if (mesh.contains("bytes")) reader.Number(mesh, "bytes", read.bytes);
   }
   for (const auto& [id, set] : reader.Object(json, "handle_sets").items()) {
     record.handle_sets[id] = ReadHandleSet(reader, set);
@@ -221,9 +226,19 @@ SessionRecord ReadRecord(RecordReader& reader, const Json& json) {
   return record;
 }
 
+// 0 where none can be read.
+std::uint64_t FormatOf(const Json& json) {
+  RecordReader reader;
+  std::uint64_t format = 0;
+  reader.Number(json, "format", format);
+  return format;
+}
+
 Json RecordToJson(const SessionRecord& record) {
   Json meshes = Json::object(), handle_sets = Json::object();
-  for (const auto& [id, mesh] : record.meshes) meshes[id] = {{"blob", mesh.blob}};
+  for (const auto& [id, mesh] : record.meshes) {
+    meshes[id] = {{"blob", mesh.blob}, {"bytes", mesh.bytes}};
+  }
   for (const auto& [id, set] : record.handle_sets) {
     Json handles = Json::array();
     for (const Handle& handle : *set.definitions) handles.push_back(HandleToJson(handle));
@@ -235,6 +250,7 @@ Json RecordToJson(const SessionRecord& record) {
   return {{"format", kFormat},
           {"owner", record.key.owner},
           {"id", record.key.id},
+          {"incarnation", record.incarnation},
           {"revision", record.revision},
           {"ttl_ms", record.ttl.count()},
           {"created_ms", ToMillis(record.created)},
@@ -256,6 +272,11 @@ Result<std::string> EncodeRecord(const SessionRecord& record) {
 
 Result<SessionRecord> DecodeRecord(std::string_view text) {
   const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (const std::uint64_t format = FormatOf(json); format > kFormat) {
+    return Fail(Unavailable(
+        fmt::format("a record was written by a later version, in format {} where this one reads {}",
+                    format, kFormat)));
+  }
   RecordReader reader;
   SessionRecord record = ReadRecord(reader, json);
   if (!reader.good()) {

@@ -33,11 +33,9 @@ int Names(const std::string& folder, std::vector<std::string>& names) {
   return errno;
 }
 
-bool IsOld(const struct stat& info, std::chrono::seconds age) {
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  return now.tv_sec - info.st_mtim.tv_sec > age.count() ||
-         (now.tv_sec - info.st_mtim.tv_sec == age.count() && now.tv_nsec >= info.st_mtim.tv_nsec);
+bool IsOld(const struct stat& info, const timespec& now, std::chrono::seconds age) {
+  const auto passed = now.tv_sec - info.st_mtim.tv_sec;
+  return passed > age.count() || (passed == age.count() && now.tv_nsec >= info.st_mtim.tv_nsec);
 }
 
 // The size of a regular file; EINVAL for anything else, which no store has made.
@@ -54,7 +52,13 @@ int Size(const File& file, std::size_t& size) {
 Result<std::unique_ptr<FileBlobStore>> FileBlobStore::Open(const std::string& root) {
   std::unique_ptr<FileBlobStore> store(new FileBlobStore(root));
   int error = MakeDirectory(root);
+  if (error == 0 && OthersMayWrite(root)) {
+    return Fail(
+        Unavailable(fmt::format("everybody may write into its folder {}; chmod o-w it", root))
+            .Detail("directory", root));
+  }
   if (error == 0) error = MakeDirectory(store->TmpPath());
+  if (error == 0) error = MakeDirectory(store->AsidePath());
   FileLock lock;
   if (error == 0) error = FileLock::Take(store->LockPath(), FileLock::Kind::kShared, true, lock);
   if (error != 0) {
@@ -132,6 +136,7 @@ Result<std::string> FileBlobStore::Get(const std::string& hash) {
   if (!IsHash(hash)) return Fail(LostBlob(hash, "missing"));
   File file;
   int error = OpenFile(PathOf(hash), O_RDONLY, file);
+  if (error == ENOENT && BringBack(hash) == 0) error = OpenFile(PathOf(hash), O_RDONLY, file);
   if (error == ENOENT || error == ENOTDIR) {
     // Without the folder of the store nothing is known about any blob.
     if (access(TmpPath().c_str(), F_OK) == 0) return Fail(LostBlob(hash, "missing"));
@@ -149,63 +154,155 @@ Result<std::string> FileBlobStore::Get(const std::string& hash) {
   return bytes;
 }
 
-// Looks again at the age under the lock, which keeps every Put out, and removes `path` if it is
-// still old. `removed` says so.
-int FileBlobStore::RemoveOld(const std::string& path, std::chrono::seconds age,
-                             bool& removed) const {
+Status FileBlobStore::Claim(const std::string& store_id) {
+  // One after the other, so that of two stores one is second.
   FileLock lock;
-  const int error = FileLock::Take(LockPath(), FileLock::Kind::kExclusive, true, lock);
-  if (error != 0) return error;
-  struct stat info {};
-  if (lstat(path.c_str(), &info) != 0 || !IsOld(info, age)) return 0;
-  removed = unlink(path.c_str()) == 0;
-  return removed || errno == ENOENT ? 0 : errno;
-}
-
-// Removes what is old and not in `referenced`; in tmp, where that is null, whatever is old.
-int FileBlobStore::SweepFolder(const std::string& folder, const std::set<std::string>* referenced,
-                               std::chrono::seconds age, SweepReport& report) const {
-  std::vector<std::string> names;
-  if (const int error = Names(folder, names); error != 0) return error == ENOENT ? 0 : error;
-  int first_error = 0;
-  for (const std::string& name : names) {
-    const bool ours = referenced != nullptr ? IsHash(name) : IsHash(name.substr(0, 64));
-    const std::string path = folder + "/" + name;
-    struct stat info {};
-    if (!ours || lstat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) continue;
-    const auto bytes = static_cast<std::size_t>(info.st_size);
-    bool removed = false;
-    if (IsOld(info, age) && (referenced == nullptr || !referenced->contains(name))) {
-      const int error = RemoveOld(path, age, removed);
-      first_error = first_error == 0 ? error : first_error;
-    }
-    if (removed) {
-      ++report.removed;
-      report.removed_bytes += bytes;
-    } else if (referenced != nullptr) {
-      ++report.kept;
-      report.kept_bytes += bytes;
-    }
+  int error = FileLock::Take(LockPath(), FileLock::Kind::kExclusive, true, lock);
+  std::string there;
+  if (error == 0) error = ReadWhole(IdPath(), there);
+  if (error == ENOENT) {
+    there = store_id;
+    error = ReplaceFile(IdPath(), store_id);
   }
-  return first_error;
+  if (error != 0) return Fail(UnavailableErrno(error));
+  if (there == store_id) return {};
+  return Fail(Fault(FaultKind::kInvalidOption,
+                    fmt::format("The blobs in {} belong to another store of sessions ({}), not to "
+                                "this one ({}): one that was emptied, or is not the one that was "
+                                "meant. If they are to be this one's from now on, remove {}.",
+                                root_, there, store_id, IdPath()))
+                  .Field("blob_dir")
+                  .Detail("directory", root_));
 }
 
-Result<SweepReport> FileBlobStore::Sweep(const std::set<std::string>& referenced,
-                                         std::chrono::seconds age) {
-  SweepReport report;
-  int first_error = SweepFolder(TmpPath(), nullptr, age, report);
+// By the clock that gives files their times, which need not be ours.
+int FileBlobStore::Now(timespec& now) const {
+  File file;
+  if (const int error = OpenFile(LockPath(), O_RDONLY | O_CREAT, file); error != 0) return error;
+  struct stat info {};
+  if (futimens(file.fd(), nullptr) != 0 || fstat(file.fd(), &info) != 0) return errno;
+  now = info.st_mtim;
+  return 0;
+}
+
+// The files in a folder whose names begin with a digest.
+int FileBlobStore::List(const std::string& folder, std::chrono::seconds age,
+                        std::vector<Entry>& entries) const {
+  timespec now{};
+  std::vector<std::string> names;
+  int error = Now(now);
+  if (error == 0) error = Names(folder, names);
+  if (error != 0) return error == ENOENT ? 0 : error;
+  for (std::string& name : names) {
+    std::string path = folder + "/" + name;
+    struct stat info {};
+    if (!IsHash(name.substr(0, 64)) || lstat(path.c_str(), &info) != 0) continue;
+    if (!S_ISREG(info.st_mode)) continue;
+    entries.push_back({std::move(path), std::move(name), static_cast<std::size_t>(info.st_size),
+                       IsOld(info, now, age)});
+  }
+  return 0;
+}
+
+// The blobs that are in their places.
+int FileBlobStore::ListPlaces(std::chrono::seconds age, std::vector<Entry>& entries) const {
   std::vector<std::string> outer;
-  if (const int error = Names(root_, outer); error != 0) return Fail(UnavailableErrno(error));
+  if (const int error = Names(root_, outer); error != 0) return error;
   for (const std::string& first : outer) {
     std::vector<std::string> inner;
     if (!IsHex(first, 2) || Names(root_ + "/" + first, inner) != 0) continue;
     for (const std::string& second : inner) {
       if (!IsHex(second, 2)) continue;
-      const int error = SweepFolder(root_ + "/" + first + "/" + second, &referenced, age, report);
-      first_error = first_error == 0 ? error : first_error;
+      const std::string folder = root_ + "/" + first + "/" + second;
+      if (const int error = List(folder, age, entries); error != 0) return error;
     }
   }
-  if (first_error != 0) return Fail(UnavailableErrno(first_error));
+  std::erase_if(entries, [](const Entry& entry) { return !IsHash(entry.name); });
+  return 0;
+}
+
+// These two look again at the age under the lock, which keeps every Put out.
+
+int FileBlobStore::Remove(const Entry& entry, std::chrono::seconds age, SweepReport& report) const {
+  FileLock lock;
+  timespec now{};
+  int error = FileLock::Take(LockPath(), FileLock::Kind::kExclusive, true, lock);
+  if (error == 0) error = Now(now);
+  if (error != 0) return error;
+  struct stat info {};
+  if (lstat(entry.path.c_str(), &info) != 0 || !IsOld(info, now, age)) return 0;
+  if (unlink(entry.path.c_str()) != 0) return errno == ENOENT ? 0 : errno;
+  ++report.removed;
+  report.removed_bytes += entry.bytes;
+  return 0;
+}
+
+int FileBlobStore::SetAside(const Entry& entry, std::chrono::seconds age,
+                            SweepReport& report) const {
+  FileLock lock;
+  timespec now{};
+  int error = FileLock::Take(LockPath(), FileLock::Kind::kExclusive, true, lock);
+  if (error == 0) error = Now(now);
+  if (error != 0) return error;
+  struct stat info {};
+  if (lstat(entry.path.c_str(), &info) != 0 || !IsOld(info, now, age)) return 0;
+  // From now on it is counted how long it lies there.
+  if (utimensat(AT_FDCWD, entry.path.c_str(), nullptr, AT_SYMLINK_NOFOLLOW) != 0) return errno;
+  error = Rename(entry.path, AsidePath() + "/" + entry.name);
+  if (error != 0) return error;
+  --report.kept;
+  report.kept_bytes -= entry.bytes;
+  return 0;
+}
+
+// ENOENT when it does not lie aside. It is as young as a new one afterwards.
+int FileBlobStore::BringBack(const std::string& hash) const {
+  const std::string aside = AsidePath() + "/" + hash;
+  if (access(aside.c_str(), F_OK) != 0) return errno;
+  FileLock lock;
+  int error = FileLock::Take(LockPath(), FileLock::Kind::kShared, true, lock);
+  if (error == 0) error = MakeDirectory(root_ + "/" + hash.substr(0, 2));
+  if (error == 0) error = MakeDirectory(FolderOf(hash));
+  if (error != 0) return error;
+  if (utimensat(AT_FDCWD, aside.c_str(), nullptr, AT_SYMLINK_NOFOLLOW) != 0) return errno;
+  return Rename(aside, PathOf(hash));
+}
+
+Result<SweepReport> FileBlobStore::Sweep(const std::set<std::string>& referenced,
+                                         const SweepRules& rules) {
+  SweepReport report;
+  std::vector<Entry> left, places, aside;
+  int error = List(TmpPath(), rules.age, left);
+  if (error == 0) error = ListPlaces(rules.age, places);
+  if (error != 0) return Fail(UnavailableErrno(error));
+  // One file that cannot be moved or removed does not keep the others.
+  const auto note = [&error](int now) { error = error == 0 ? now : error; };
+  for (const Entry& entry : left) {
+    if (entry.old) note(Remove(entry, rules.age, report));
+  }
+  std::vector<const Entry*> unnamed;
+  for (const Entry& entry : places) {
+    ++report.kept;
+    report.kept_bytes += entry.bytes;
+    if (entry.old && !referenced.contains(entry.name)) unnamed.push_back(&entry);
+  }
+  const auto count = static_cast<double>(unnamed.size());
+  if (unnamed.size() > rules.few && count > rules.share * static_cast<double>(places.size())) {
+    report.held_back = unnamed.size();
+  } else {
+    for (const Entry* entry : unnamed) note(SetAside(*entry, rules.age, report));
+  }
+  note(List(AsidePath(), rules.aside, aside));
+  for (const Entry& entry : aside) {
+    if (referenced.contains(entry.name)) {
+      note(BringBack(entry.name));
+    } else if (entry.old) {
+      note(Remove(entry, rules.aside, report));
+    } else {
+      ++report.aside;
+    }
+  }
+  if (error != 0) return Fail(UnavailableErrno(error));
   return report;
 }
 

@@ -1,9 +1,14 @@
 // FileBlobStore: one file per blob, named by its digest.
 #pragma once
 
+#include <chrono>
+#include <cstddef>
+#include <ctime>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/store/store.h"
 
@@ -11,7 +16,12 @@ namespace arap::store {
 
 //   ROOT/ab/cd/abcd…   a blob; the folders are the first four digits of its name
 //   ROOT/tmp/          what is being written
+//   ROOT/aside/        blobs that no record named: Get brings them back, a later sweep removes them
+//   ROOT/store-id      the id of the store that these are the blobs of
 //   ROOT/lock          taken for moments, so that no sweep removes what was just put
+//
+// Ages are measured by the clock of the file system alone, so that the clocks of the servers may
+// differ.
 //
 // Several servers may share a ROOT. Blobs are written under tmp, flushed, renamed, and their folder
 // is flushed; so a name is there with all its bytes or not at all. Files and folders that have
@@ -27,23 +37,37 @@ class FileBlobStore final : public BlobStore {
   Status Put(const std::string& hash, std::string_view bytes) override;
   Result<std::string> Get(const std::string& hash) override;
   Result<SweepReport> Sweep(const std::set<std::string>& referenced,
-                            std::chrono::seconds age) override;
+                            const SweepRules& rules) override;
+  // Also kStoreUnavailable. A folder without an id becomes this store's.
+  Status Claim(const std::string& store_id) override;
 
  private:
+  struct Entry {
+    std::string path;
+    std::string name;
+    std::size_t bytes = 0;
+    bool old = false;
+  };
+
   explicit FileBlobStore(std::string root) : root_(std::move(root)) {}
 
   std::string FolderOf(const std::string& hash) const;
   std::string PathOf(const std::string& hash) const { return FolderOf(hash) + "/" + hash; }
   std::string TmpPath() const { return root_ + "/tmp"; }
+  std::string AsidePath() const { return root_ + "/aside"; }
+  std::string IdPath() const { return root_ + "/store-id"; }
   std::string LockPath() const { return root_ + "/lock"; }
 
   // 0 or an errno, as in files.h.
   int Refresh(const std::string& path, std::string_view bytes, bool& good) const;
   int Write(const std::string& hash, std::string_view bytes) const;
   int SyncNames(const std::string& hash) const;
-  int RemoveOld(const std::string& path, std::chrono::seconds age, bool& removed) const;
-  int SweepFolder(const std::string& folder, const std::set<std::string>* referenced,
-                  std::chrono::seconds age, SweepReport& report) const;
+  int Now(timespec& now) const;
+  int List(const std::string& folder, std::chrono::seconds age, std::vector<Entry>& entries) const;
+  int ListPlaces(std::chrono::seconds age, std::vector<Entry>& entries) const;
+  int Remove(const Entry& entry, std::chrono::seconds age, SweepReport& report) const;
+  int SetAside(const Entry& entry, std::chrono::seconds age, SweepReport& report) const;
+  int BringBack(const std::string& hash) const;
 
   const std::string root_;
 };

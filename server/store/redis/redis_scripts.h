@@ -8,12 +8,14 @@
 namespace arap::store {
 
 // Keys, under a prefix:
-//   session:PLACE   hash: revision, token (of the Put that wrote it), record (record_format.h),
+//   session:PLACE   hash: incarnation, revision, token (of the Put that wrote it), record (record_format.h),
 //                   expires (counts; the one in the record is that of the last Put), blobs
 //   ids:OWNER       sorted set of the owner's session ids, all with score 0
-//   counts:OWNER    hash: session id → "MESHES HANDLE_SETS"
+//   counts:OWNER    hash: session id → "MESHES HANDLE_SETS BYTES"
 //   owners          sorted set of the owners that have sessions, all with score 0
 //   expiry          sorted set of PLACEs by expiry
+//   id              of this store
+//   done:TOKEN      for half a minute: the Remove with this token has removed something
 // PLACE is LENGTH:OWNER:ID with the length of the owner in bytes.
 
 // A session that no replica has removed a day after its expiry is removed by Redis itself: no
@@ -39,13 +41,14 @@ end
 )lua";
 
 // KEYS session ids counts owners expiry
-// ARGV revision-before revision token record expires counts blobs id owner place
+// ARGV revision-before revision token record expires counts blobs id owner place incarnation
 // 1 when it was put, also by an earlier run with this token; else 0.
 inline const char* const kPutBody = R"lua(
-local stored = redis.call('HMGET', KEYS[1], 'revision', 'token')
+local stored = redis.call('HMGET', KEYS[1], 'revision', 'token', 'incarnation')
 if stored[1] == ARGV[2] and stored[2] == ARGV[3] then return 1 end
 if (stored[1] or '0') ~= ARGV[1] then return 0 end
-redis.call('HSET', KEYS[1], 'revision', ARGV[2], 'token', ARGV[3], 'record', ARGV[4],
+if stored[1] and (stored[3] or '') ~= ARGV[11] then return 0 end
+redis.call('HSET', KEYS[1], 'incarnation', ARGV[11], 'revision', ARGV[2], 'token', ARGV[3], 'record', ARGV[4],
            'expires', ARGV[5], 'blobs', ARGV[7])
 redis.call('ZADD', KEYS[2], 0, ARGV[8])
 redis.call('HSET', KEYS[3], ARGV[8], ARGV[6])
@@ -55,25 +58,37 @@ keep(KEYS[1], ARGV[5])
 return 1
 )lua";
 
-// KEYS session expiry; ARGV expires place
+// KEYS session expiry; ARGV expires place incarnation
 inline const char* const kExtendBody = R"lua(
-if redis.call('EXISTS', KEYS[1]) == 0 then return 0 end
+local stored = redis.call('HMGET', KEYS[1], 'revision', 'incarnation')
+if not stored[1] or (stored[2] or '') ~= ARGV[3] then return 0 end
 redis.call('HSET', KEYS[1], 'expires', ARGV[1])
 redis.call('ZADD', KEYS[2], ARGV[1], ARGV[2])
 keep(KEYS[1], ARGV[1])
 return 1
 )lua";
 
-// KEYS session ids counts owners expiry; ARGV id owner place. 1 when there was one.
+// KEYS session ids counts owners expiry done
+// ARGV id owner place expires; an empty expires is any
+// 1 when there was one, which this run or an earlier one with this token has removed.
 inline const char* const kRemoveBody = R"lua(
-return forget(KEYS[1], KEYS[2], KEYS[3], KEYS[4], KEYS[5], ARGV[1], ARGV[2], ARGV[3])
+if ARGV[4] ~= '' and redis.call('HGET', KEYS[1], 'expires') ~= ARGV[4] then
+  return redis.call('EXISTS', KEYS[6])
+end
+local there = forget(KEYS[1], KEYS[2], KEYS[3], KEYS[4], KEYS[5], ARGV[1], ARGV[2], ARGV[3])
+if there == 0 then return redis.call('EXISTS', KEYS[6]) end
+redis.call('SET', KEYS[6], '', 'PX', 30000)
+return there
 )lua";
 
-// KEYS owners expiry; ARGV prefix now limit. Owner and id of each that was removed.
+// KEYS owners expiry; ARGV prefix now limit. What has expired by `now` and by the clock of Redis. Owner and id of each that was removed.
 inline const char* const kRemoveExpiredBody = R"lua(
 local prefix = ARGV[1]
 local removed = {}
-local places = redis.call('ZRANGEBYSCORE', KEYS[2], '-inf', ARGV[2], 'LIMIT', 0, ARGV[3])
+local time = redis.call('TIME')
+local now = math.min(tonumber(ARGV[2]), time[1] * 1000 + math.floor(time[2] / 1000))
+local places = redis.call('ZRANGEBYSCORE', KEYS[2], '-inf', string.format('%.0f', now),
+                          'LIMIT', 0, ARGV[3])
 for _, place in ipairs(places) do
   local size, rest = string.match(place, '^(%d+):(.*)$')
   local owner = string.sub(rest, 1, tonumber(size))

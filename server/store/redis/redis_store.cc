@@ -8,7 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "core/base/names.h"
 #include "core/base/try.h"
+#include "core/token/digest.h"
 #include "server/store/record_format.h"
 #include "server/store/store.h"
 
@@ -46,16 +48,25 @@ std::size_t ToNumber(std::string_view digits) {
   return number;
 }
 
+// The value of "name:value" in what INFO answers; empty when there is none.
+std::string ValueOf(const std::string& info, const std::string& name) {
+  const std::size_t at = info.find("\n" + name + ":");
+  if (at == std::string::npos) return {};
+  const std::size_t start = at + name.size() + 2;
+  return info.substr(start, info.find_first_of("\r\n", start) - start);
+}
+
 RedisCommand LoadCommand(std::string session) {
-  return {"HMGET", std::move(session), "revision", "expires", "record"};
+  return {"HMGET", std::move(session), "revision", "expires", "record", "incarnation"};
 }
 
 // From the answer to LoadCommand; nothing when there is none.
 Result<std::optional<SessionRecord>> RecordOf(const SessionKey& key, const RedisReply& reply) {
   const std::vector<std::string> fields = reply.Texts();
-  if (fields.size() != 3) return Fail(LostRecord(key));
+  if (fields.size() != 4) return Fail(LostRecord(key));
   if (fields[0].empty() && fields[2].empty()) return std::nullopt;
   auto record = DecodeRecord(fields[2]);
+  if (!record && record.error().kind == FaultKind::kStoreUnavailable) return Fail(record.error());
   std::int64_t expires = 0;
   const char* end = fields[1].data() + fields[1].size();
   const auto read = std::from_chars(fields[1].data(), end, expires);
@@ -64,6 +75,8 @@ Result<std::optional<SessionRecord>> RecordOf(const SessionKey& key, const Redis
     return Fail(LostRecord(key));
   }
   record->expires = FromMillis(expires);
+  // A replica of a version before does not write it into the record.
+  record->incarnation = fields[3];
   return *std::move(record);
 }
 
@@ -86,33 +99,49 @@ Result<std::optional<SessionRecord>> RedisSpecStore::Load(const SessionKey& key)
   return RecordOf(key, reply);
 }
 
-Result<std::optional<std::uint64_t>> RedisSpecStore::Revision(const SessionKey& key) {
-  TRY(const auto reply, pool_.Run(RedisCommand{"HGET", KeysOf(key)[0], "revision"}));
-  if (reply.IsNil()) return std::nullopt;
-  return ToNumber(reply.Text());
+Result<std::optional<RecordVersion>> RedisSpecStore::Version(const SessionKey& key) {
+  TRY(const auto reply,
+      pool_.Run(RedisCommand{"HMGET", KeysOf(key)[0], "revision", "incarnation"}));
+  const std::vector<std::string> fields = reply.Texts();
+  if (fields.size() != 2) return Fail(LostRecord(key));
+  if (fields[0].empty()) return std::nullopt;
+  return RecordVersion{fields[1], ToNumber(fields[0])};
 }
 
 Result<bool> RedisSpecStore::Put(const SessionRecord& record) {
   TRY(auto text, EncodeRecord(record));
+  std::size_t bytes = text.size();
+  for (const auto& [id, mesh] : record.meshes) bytes += mesh.bytes;
   const SessionKey& key = record.key;
-  auto reply = pool_.Run(scripts_.put, KeysOf(key),
-                         {std::to_string(record.revision - 1), std::to_string(record.revision),
-                          NewToken(), std::move(text), std::to_string(ToMillis(record.expires)),
-                          fmt::format("{} {}", record.meshes.size(), record.handle_sets.size()),
-                          BlobsOf(record), key.id, key.owner, PlaceOf(key)});
+  auto reply =
+      pool_.Run(scripts_.put, KeysOf(key),
+                {std::to_string(record.revision - 1), std::to_string(record.revision), NewToken(),
+                 std::move(text), std::to_string(ToMillis(record.expires)),
+                 fmt::format("{} {} {}", record.meshes.size(), record.handle_sets.size(), bytes),
+                 BlobsOf(record), key.id, key.owner, PlaceOf(key), record.incarnation});
   if (!reply) return Fail(reply.error());
   return reply->Int() == 1;
 }
 
-Result<bool> RedisSpecStore::Extend(const SessionKey& key, runtime::Clock::Wall expires) {
+Result<bool> RedisSpecStore::Extend(const SessionKey& key, const std::string& incarnation,
+                                    runtime::Clock::Wall expires) {
   TRY(const auto reply, pool_.Run(scripts_.extend, {KeysOf(key)[0], Key("expiry")},
-                                  {std::to_string(ToMillis(expires)), PlaceOf(key)}));
+                                  {std::to_string(ToMillis(expires)), PlaceOf(key), incarnation}));
   return reply.Int() == 1;
 }
 
-Result<bool> RedisSpecStore::Remove(const SessionKey& key) {
-  TRY(const auto reply, pool_.Run(scripts_.remove, KeysOf(key), {key.id, key.owner, PlaceOf(key)}));
+Result<bool> RedisSpecStore::Remove(const SessionKey& key, std::string expires) {
+  std::vector<std::string> keys = KeysOf(key);
+  keys.push_back(Key("done:" + NewToken()));
+  TRY(const auto reply,
+      pool_.Run(scripts_.remove, keys, {key.id, key.owner, PlaceOf(key), std::move(expires)}));
   return reply.Int() == 1;
+}
+
+Result<bool> RedisSpecStore::Remove(const SessionKey& key) { return Remove(key, ""); }
+
+Result<bool> RedisSpecStore::RemoveAsOf(const SessionKey& key, runtime::Clock::Wall expires) {
+  return Remove(key, std::to_string(ToMillis(expires)));
 }
 
 Result<std::vector<SessionRecord>> RedisSpecStore::List(const std::string& owner,
@@ -150,11 +179,13 @@ Result<Usage> RedisSpecStore::UsageOf(const std::string& owner) {
   TRY(const auto reply, pool_.Run(RedisCommand{"HVALS", Key("counts:" + owner)}));
   Usage usage;
   for (const std::string& counts : reply.Texts()) {
-    const std::size_t space = std::min(counts.find(' '), counts.size());
+    std::vector<std::size_t> numbers;
+    ForEachWord(counts, [&](std::string_view word) { numbers.push_back(ToNumber(word)); });
+    numbers.resize(3);  // a replica of a version before does not write the bytes
     ++usage.sessions;
-    usage.meshes += ToNumber(std::string_view(counts).substr(0, space));
-    usage.handle_sets +=
-        ToNumber(std::string_view(counts).substr(std::min(space + 1, counts.size())));
+    usage.meshes += numbers[0];
+    usage.handle_sets += numbers[1];
+    usage.bytes += numbers[2];
   }
   return usage;
 }
@@ -190,6 +221,53 @@ Result<std::set<std::string>> RedisSpecStore::ReferencedBlobs() {
     }
   } while (cursor != "0");
   return blobs;
+}
+
+Result<std::optional<runtime::Clock::Wall>> RedisSpecStore::Time() {
+  TRY(const auto reply, pool_.Run(RedisCommand{"TIME"}));
+  const std::vector<std::string> parts = reply.Texts();
+  if (parts.size() != 2) return Fail(Unavailable("Redis did not answer what was asked"));
+  return runtime::Clock::Wall(std::chrono::seconds(ToNumber(parts[0])) +
+                              std::chrono::microseconds(ToNumber(parts[1])));
+}
+
+Result<StoreFacts> RedisSpecStore::Facts() {
+  TRY(const std::string fresh, RandomHex(32));
+  TRY(const auto replies, pool_.Run({{"SET", Key("id"), fresh, "NX"},
+                                     {"GET", Key("id")},
+                                     {"INFO", "memory"},
+                                     {"INFO", "persistence"},
+                                     {"CONFIG", "GET", "save"}}));
+  // Who may not see how Redis is set up cannot judge it; the id is needed.
+  for (const std::size_t needed : {0u, 1u}) {
+    if (replies[needed].IsError()) return Fail(FaultOf(replies[needed]));
+  }
+  StoreFacts facts{replies[1].Text(), {}};
+  if (!IsHex(facts.id, 32)) return Fail(Unavailable("Redis did not answer what was asked"));
+  const std::string memory = replies[2].Text(), disk = replies[3].Text();
+  const std::string policy = ValueOf(memory, "maxmemory_policy");
+  if (ToNumber(ValueOf(memory, "maxmemory")) > 0 && !policy.empty() && policy != "noeviction") {
+    facts.weaknesses.push_back(
+        {"evicts",
+         fmt::format("Redis evicts sessions when its memory is full: its maxmemory-policy is {}, "
+                     "not noeviction.",
+                     policy),
+         true});
+  }
+  if (ValueOf(disk, "aof_enabled") != "0") return facts;
+  const std::vector<std::string> save = replies[4].Texts();
+  if (save.size() == 2 && save[1].empty()) {
+    facts.weaknesses.push_back({"forgets",
+                                "Redis keeps nothing when it ends: it has neither an append-only "
+                                "file nor snapshots (appendonly, save).",
+                                true});
+  } else {
+    facts.weaknesses.push_back({"flushes_rarely",
+                                "Redis writes to disk only now and then: when it ends unexpectedly "
+                                "the changes since its last snapshot are lost (appendonly).",
+                                false});
+  }
+  return facts;
 }
 
 Status RedisSpecStore::Probe() {

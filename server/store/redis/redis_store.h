@@ -20,19 +20,21 @@ struct RedisOptions {
 };
 
 // As durable as Redis is configured to be (appendonly, appendfsync); it must not evict keys
-// (maxmemory-policy noeviction). While it is gone calls fail at once, while it hangs within
+// (maxmemory-policy noeviction). Facts says so when it is not. While it is gone calls fail at once, while it hangs within
 // RedisOptions::timeout; afterwards the next call works. When a connection breaks in the middle of
 // a call and no new one can be had, whether something was changed is not known.
-class RedisSpecStore final : public SpecStore {
+class RedisSpecStore : public SpecStore {
  public:
   // Connects at the first call.
   explicit RedisSpecStore(RedisOptions options);
 
   Result<std::optional<SessionRecord>> Load(const SessionKey& key) override;
-  Result<std::optional<std::uint64_t>> Revision(const SessionKey& key) override;
+  Result<std::optional<RecordVersion>> Version(const SessionKey& key) override;
   Result<bool> Put(const SessionRecord& record) override;
-  Result<bool> Extend(const SessionKey& key, runtime::Clock::Wall expires) override;
+  Result<bool> Extend(const SessionKey& key, const std::string& incarnation,
+                      runtime::Clock::Wall expires) override;
   Result<bool> Remove(const SessionKey& key) override;
+  Result<bool> RemoveAsOf(const SessionKey& key, runtime::Clock::Wall expires) override;
   Result<std::vector<SessionRecord>> List(const std::string& owner, const std::string& after,
                                           std::size_t limit) override;
   Result<std::vector<std::string>> Owners() override;
@@ -40,7 +42,10 @@ class RedisSpecStore final : public SpecStore {
   Result<std::size_t> Count() override;
   Result<std::vector<SessionKey>> RemoveExpired(runtime::Clock::Wall now,
                                                 std::size_t limit) override;
+  Status Shift(std::chrono::milliseconds) override { return {}; }
   Result<std::set<std::string>> ReferencedBlobs() override;
+  Result<std::optional<runtime::Clock::Wall>> Time() override;
+  Result<StoreFacts> Facts() override;
   bool shared() const override { return true; }
   Status Probe() override;
 
@@ -49,6 +54,8 @@ class RedisSpecStore final : public SpecStore {
   // session, ids, counts, owners, expiry
   std::vector<std::string> KeysOf(const SessionKey& key) const;
   std::string NewToken();
+  // With an empty `expires` whatever the expiry is.
+  Result<bool> Remove(const SessionKey& key, std::string expires);
 
   const std::string prefix_;
   const std::string writer_;  // no other store has it

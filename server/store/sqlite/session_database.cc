@@ -194,7 +194,9 @@ SqliteCode Prepare(Sqlite& database, std::int64_t version, Trust trust) {
   SqliteCode code = database.Run(kSetup);
   if (code == SQLITE_OK && trust == Trust::kCheck) code = CheckPages(database);
   if (code != SQLITE_OK) return code;
-  return version == 0 && trust == Trust::kCheck ? CreateTables(database) : CheckTables(database);
+  if (version == 0 && trust == Trust::kCheck) return CreateTables(database);
+  if (version == 1) code = UpgradeTables(database);
+  return code == SQLITE_OK ? CheckTables(database) : code;
 }
 
 struct Attempt {

@@ -11,7 +11,7 @@
 namespace arap::store {
 
 // user_version of the tables below.
-inline constexpr std::int64_t kSchemaVersion = 1;
+inline constexpr std::int64_t kSchemaVersion = 2;
 
 // Makes the tables in an empty database, in one transaction.
 //   sessions  one row per record: what is asked for often beside the text of record_format.h, whose
@@ -20,6 +20,8 @@ inline constexpr std::int64_t kSchemaVersion = 1;
 //   blobs     which blobs a record names
 //   owners    how much an owner has, kept by triggers
 SqliteCode CreateTables(Sqlite& database);
+// Changes the tables of user_version 1 into these, in one transaction.
+SqliteCode UpgradeTables(Sqlite& database);
 // SQLITE_OK when the tables are as this version makes them.
 SqliteCode CheckTables(Sqlite& database);
 
@@ -36,7 +38,8 @@ struct SessionRow {
 #define ARAP_SESSION_COLUMNS "owner, id, revision, expires, sum, record"
 SessionRow ReadRow(const Query& query);
 
-// kDataLoss unless the text is what was written for this key.
+// kDataLoss unless the text is what was written for this key; kStoreUnavailable for what a later
+// version wrote.
 Result<SessionRecord> RecordOf(const SessionRow& row);
 
 // The row of a record. kInternal when it cannot be written down.

@@ -1,15 +1,32 @@
 #include "server/store/sqlite/sqlite.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+
+#include "core/base/files.h"
+
 namespace arap::store {
 namespace {
 
 SqliteCode Primary(int code) { return code & 0xff; }
 
+// Earlier versions left the mode to the umask. Where it cannot be changed it stays as it is.
+void KeepOthersOut(const std::string& path) {
+  struct stat info {};
+  if (stat(path.c_str(), &info) != 0 || (info.st_mode & (S_IRWXG | S_IRWXO)) == 0) return;
+  [[maybe_unused]] const int done = chmod(path.c_str(), info.st_mode & S_IRWXU);
+}
+
 }  // namespace
 
 SqliteResult<Sqlite> Sqlite::Open(const std::string& path, Missing missing) {
   int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX;
-  if (missing == Missing::kCreate) flags |= SQLITE_OPEN_CREATE;
+  if (missing == Missing::kCreate) {
+    flags |= SQLITE_OPEN_CREATE;
+    // SQLite would make it for everybody to read. Its log takes the mode of the database.
+    const File made(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  }
+  for (const char* part : {"", "-wal", "-shm"}) KeepOthersOut(path + part);
   sqlite3* connection = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &connection, flags, nullptr);
   Sqlite database;

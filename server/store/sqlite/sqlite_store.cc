@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include "core/base/files.h"
 #include "core/base/try.h"
+#include "core/token/digest.h"
 #include "server/store/record_format.h"
 #include "server/store/sqlite/session_database.h"
 #include "server/store/sqlite/sqlite.h"
@@ -20,6 +22,19 @@ Fault NamingDirectory(Fault fault, const std::string& directory) {
   return fault.Detail("directory", directory);
 }
 
+// In a file of its own, so that it outlives a damaged database. Made when there is none.
+Result<std::string> IdOf(const std::string& directory) {
+  const std::string path = directory + "/store-id";
+  std::string id;
+  int error = ReadWhole(path, id);
+  if (error == ENOENT) {
+    TRY(id, RandomHex(32));
+    error = ReplaceFile(path, id);
+  }
+  if (error != 0) return Fail(NamingDirectory(UnavailableErrno(error), directory));
+  return id;
+}
+
 // The value of a query that has run, or its error.
 template <class T>
 SqliteResult<T> Finished(const Query& query, T value) {
@@ -29,14 +44,15 @@ SqliteResult<T> Finished(const Query& query, T value) {
 
 struct Place {
   std::int64_t number = 0;  // 0: there is no such row
-  std::uint64_t revision = 0;
+  RecordVersion version;
 };
 
 SqliteResult<Place> Find(Sqlite& database, const SessionKey& key) {
-  Query query(database, "SELECT number, revision FROM sessions WHERE owner = ? AND id = ?");
+  Query query(database,
+              "SELECT number, revision, incarnation FROM sessions WHERE owner = ? AND id = ?");
   Place place;
   if (query.Bind(key.owner).Bind(key.id).Row()) {
-    place = {query.Int(0), static_cast<std::uint64_t>(query.Int(1))};
+    place = {query.Int(0), {query.Text(2), static_cast<std::uint64_t>(query.Int(1))}};
   }
   return Finished(query, place);
 }
@@ -52,6 +68,7 @@ Result<std::unique_ptr<SqliteSpecStore>> SqliteSpecStore::Open(const std::string
     return Fail(NamingDirectory(Unavailable("another server uses the directory"), directory));
   }
   if (error != 0) return Fail(NamingDirectory(UnavailableErrno(error), directory));
+  TRY(store->id_, IdOf(directory));
   auto opened = OpenDatabase(directory, Trust::kCheck);
   if (!opened) return Fail(NamingDirectory(std::move(opened).error(), directory));
   store->directory_ = directory;
@@ -106,11 +123,11 @@ Result<std::optional<SessionRecord>> SqliteSpecStore::Load(const SessionKey& key
   return RecordOf(**row);
 }
 
-Result<std::optional<std::uint64_t>> SqliteSpecStore::Revision(const SessionKey& key) {
+Result<std::optional<RecordVersion>> SqliteSpecStore::Version(const SessionKey& key) {
   auto place = With<Place>([&](Sqlite& database) { return Find(database, key); });
   if (!place) return Fail(place.error());
   if (place->number == 0) return std::nullopt;
-  return place->revision;
+  return place->version;
 }
 
 Result<bool> SqliteSpecStore::Put(const SessionRecord& record) {
@@ -121,9 +138,10 @@ Result<bool> SqliteSpecStore::Put(const SessionRecord& record) {
     const auto place = Find(database, record.key);
     if (!place) return tl::unexpected(place.error());
     // The row of a damaged record has revision 0: its key is taken.
-    const bool fits = place->number == 0
-                          ? record.revision == 1
-                          : place->revision != 0 && place->revision + 1 == record.revision;
+    RecordVersion after = place->version;
+    ++after.revision;
+    const bool fits = place->number == 0 ? record.revision == 1
+                                         : after.revision != 1 && after == VersionOf(record);
     if (!fits) return false;
     SqliteCode code = WriteRow(database, row, record, place->number);
     if (code == SQLITE_OK) code = transaction.Commit();
@@ -132,10 +150,12 @@ Result<bool> SqliteSpecStore::Put(const SessionRecord& record) {
   });
 }
 
-Result<bool> SqliteSpecStore::Extend(const SessionKey& key, runtime::Clock::Wall expires) {
+Result<bool> SqliteSpecStore::Extend(const SessionKey& key, const std::string& incarnation,
+                                     runtime::Clock::Wall expires) {
   return With<bool>([&](Sqlite& database) {
-    Query query(database, "UPDATE sessions SET expires = ? WHERE owner = ? AND id = ?");
-    query.Bind(ToMillis(expires)).Bind(key.owner).Bind(key.id).Run();
+    Query query(database,
+                "UPDATE sessions SET expires = ? WHERE owner = ? AND id = ? AND incarnation = ?");
+    query.Bind(ToMillis(expires)).Bind(key.owner).Bind(key.id).Bind(incarnation).Run();
     return Finished(query, sqlite3_changes(database.get()) > 0);
   });
 }
@@ -144,6 +164,14 @@ Result<bool> SqliteSpecStore::Remove(const SessionKey& key) {
   return With<bool>([&](Sqlite& database) {
     Query query(database, "DELETE FROM sessions WHERE owner = ? AND id = ?");
     query.Bind(key.owner).Bind(key.id).Run();
+    return Finished(query, sqlite3_changes(database.get()) > 0);
+  });
+}
+
+Result<bool> SqliteSpecStore::RemoveAsOf(const SessionKey& key, runtime::Clock::Wall expires) {
+  return With<bool>([&](Sqlite& database) {
+    Query query(database, "DELETE FROM sessions WHERE owner = ? AND id = ? AND expires = ?");
+    query.Bind(key.owner).Bind(key.id).Bind(ToMillis(expires)).Run();
     return Finished(query, sqlite3_changes(database.get()) > 0);
   });
 }
@@ -184,12 +212,14 @@ Result<std::vector<std::string>> SqliteSpecStore::Owners() {
 
 Result<Usage> SqliteSpecStore::UsageOf(const std::string& owner) {
   return With<Usage>([&](Sqlite& database) {
-    Query query(database, "SELECT sessions, meshes, handle_sets FROM owners WHERE owner = ?");
+    Query query(database,
+                "SELECT sessions, meshes, handle_sets, bytes FROM owners WHERE owner = ?");
     Usage usage;
     if (query.Bind(owner).Row()) {
       usage.sessions = static_cast<std::size_t>(query.Int(0));
       usage.meshes = static_cast<std::size_t>(query.Int(1));
       usage.handle_sets = static_cast<std::size_t>(query.Int(2));
+      usage.bytes = static_cast<std::size_t>(query.Int(3));
     }
     return Finished(query, usage);
   });
@@ -233,6 +263,15 @@ Result<std::vector<SessionKey>> SqliteSpecStore::RemoveExpired(runtime::Clock::W
     }
     return removed;
   });
+}
+
+Status SqliteSpecStore::Shift(std::chrono::milliseconds by) {
+  CHECK_OK(With<bool>([&](Sqlite& database) {
+    Query query(database, "UPDATE sessions SET expires = expires + ?");
+    query.Bind(std::int64_t{by.count()}).Run();
+    return Finished(query, true);
+  }));
+  return {};
 }
 
 Result<std::set<std::string>> SqliteSpecStore::ReferencedBlobs() {

@@ -34,10 +34,12 @@ class SqliteSpecStore final : public SpecStore {
   const std::optional<Recovery>& recovery() const { return recovery_; }
 
   Result<std::optional<SessionRecord>> Load(const SessionKey& key) override;
-  Result<std::optional<std::uint64_t>> Revision(const SessionKey& key) override;
+  Result<std::optional<RecordVersion>> Version(const SessionKey& key) override;
   Result<bool> Put(const SessionRecord& record) override;
-  Result<bool> Extend(const SessionKey& key, runtime::Clock::Wall expires) override;
+  Result<bool> Extend(const SessionKey& key, const std::string& incarnation,
+                      runtime::Clock::Wall expires) override;
   Result<bool> Remove(const SessionKey& key) override;
+  Result<bool> RemoveAsOf(const SessionKey& key, runtime::Clock::Wall expires) override;
   Result<std::vector<SessionRecord>> List(const std::string& owner, const std::string& after,
                                           std::size_t limit) override;
   Result<std::vector<std::string>> Owners() override;
@@ -45,7 +47,10 @@ class SqliteSpecStore final : public SpecStore {
   Result<std::size_t> Count() override;
   Result<std::vector<SessionKey>> RemoveExpired(runtime::Clock::Wall now,
                                                 std::size_t limit) override;
+  Status Shift(std::chrono::milliseconds by) override;
   Result<std::set<std::string>> ReferencedBlobs() override;
+  Result<std::optional<runtime::Clock::Wall>> Time() override { return std::nullopt; }
+  Result<StoreFacts> Facts() override { return StoreFacts{id_, {}}; }
   bool shared() const override { return false; }
   Status Probe() override;
 
@@ -60,6 +65,7 @@ class SqliteSpecStore final : public SpecStore {
   bool IsInPlace() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   std::string directory_;
+  std::string id_;
   Listener listener_;
   std::optional<Recovery> recovery_;
   FileLock lock_;

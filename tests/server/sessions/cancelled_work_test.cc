@@ -72,7 +72,8 @@ TEST_F(CancelledWorkTest, ARegistrationLeavesNothing) {
         EXPECT_EQ(engine_.derived.bytes_of("ann") - engine_.sessions.bytes(), 0u);
         EXPECT_TRUE(engine_.sessions.View("ann", "s")->mesh_ids.empty());
         EXPECT_TRUE(engine_.stores.specs->ReferencedBlobs()->empty());
-        EXPECT_EQ(engine_.CollectBlobs(seconds(0))->removed, 0u) << "a blob without a record";
+        EXPECT_EQ(engine_.keeper.Collect({seconds(0), seconds(0)})->removed, 0u)
+            << "a blob without a record";
       });
   EXPECT_GE(places, 3u) << "before, between and after the factorisations";
   EXPECT_EQ(engine_.derived.entries(DerivedKind::kMesh), 1u);
@@ -113,7 +114,7 @@ TEST_F(CancelledWorkTest, ARegistrationWhoseSessionEndsLeavesABlobAtMost) {
   EXPECT_EQ(registration.error().kind, FaultKind::kNotFound);
   EXPECT_EQ(engine_.derived.bytes() - engine_.sessions.bytes(), 0u);
   EXPECT_TRUE(engine_.stores.specs->ReferencedBlobs()->empty());
-  EXPECT_EQ(engine_.CollectBlobs(seconds(0))->kept, 0u);
+  EXPECT_EQ(engine_.keeper.Collect({seconds(0), seconds(0)})->kept, 0u);
 }
 
 }  // namespace

@@ -47,9 +47,14 @@ class GatedStore final : public store::MemorySpecStore {
     Pass(Call::kPut, record.key);
     return MemorySpecStore::Put(record);
   }
-  Result<bool> Extend(const store::SessionKey& key, runtime::Clock::Wall expires) override {
+  Result<bool> Extend(const store::SessionKey& key, const std::string& incarnation,
+                      runtime::Clock::Wall expires) override {
     Pass(Call::kExtend, key);
-    return MemorySpecStore::Extend(key, expires);
+    return MemorySpecStore::Extend(key, incarnation, expires);
+  }
+  Result<bool> RemoveAsOf(const store::SessionKey& key, runtime::Clock::Wall expires) override {
+    Pass(Call::kRemove, key);
+    return MemorySpecStore::RemoveAsOf(key, expires);
   }
   Result<bool> Remove(const store::SessionKey& key) override {
     Pass(Call::kRemove, key);

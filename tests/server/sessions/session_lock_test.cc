@@ -61,7 +61,7 @@ class SessionLockTest : public ::testing::Test {
     store_.LetGo();
   }
   bool IsStored(const Caller& caller, const std::string& id = kId) {
-    return store_.Revision({caller.owner, id})->has_value();
+    return store_.Version({caller.owner, id})->has_value();
   }
 
   const Caller ann_{"ann", Role::kUser, {}};

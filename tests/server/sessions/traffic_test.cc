@@ -71,7 +71,7 @@ TEST_F(TrafficTest, NothingIsLost) {
     while (!done) {
       EXPECT_TRUE(engine_.Sweep());
       engine_.derived.EvictIdle(std::chrono::seconds(0));
-      EXPECT_TRUE(engine_.CollectBlobs(std::chrono::hours(1)));
+      EXPECT_TRUE(engine_.keeper.Collect({std::chrono::hours(1), std::chrono::seconds(0)}));
       static_cast<void>(engine_.metrics.Text());
     }
   });

@@ -1,6 +1,7 @@
 // Blob files: durable names, damage that is noticed, a sweep that touches only its own.
 #include <atomic>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::hours;
 using std::chrono::seconds;
+
+// Set aside and removed in one go.
+constexpr SweepRules kAtOnce{hours(1), seconds(0)};
 
 class BlobTest : public ::testing::Test {
  protected:
@@ -87,10 +91,10 @@ TEST_F(BlobTest, LinksAreNotFollowed) {
 TEST_F(BlobTest, PuttingAgainMakesYoung) {
   MakeOld(PathOf(hash_));
   EXPECT_TRUE(blobs_->Put(hash_, bytes_));
-  EXPECT_EQ(blobs_->Sweep({}, hours(1))->removed, 0u);
+  EXPECT_EQ(blobs_->Sweep({}, kAtOnce)->removed, 0u);
   MakeOld(PathOf(hash_));
-  EXPECT_EQ(blobs_->Sweep({hash_}, hours(1))->removed, 0u);
-  EXPECT_EQ(blobs_->Sweep({}, hours(1))->removed, 1u);
+  EXPECT_EQ(blobs_->Sweep({hash_}, kAtOnce)->removed, 0u);
+  EXPECT_EQ(blobs_->Sweep({}, kAtOnce)->removed, 1u);
   EXPECT_EQ(WhyLost(), "missing");
 }
 
@@ -106,7 +110,7 @@ TEST_F(BlobTest, TheSweepRemovesWhatWritersLeftAndNothingElse) {
     MakeOld(path);
   }
   MakeOld(left);
-  const auto report = blobs_->Sweep({hash_}, hours(1));
+  const auto report = blobs_->Sweep({hash_}, kAtOnce);
   ASSERT_TRUE(report);
   EXPECT_EQ(report->removed, 1u);
   EXPECT_EQ(report->kept, 1u);
@@ -115,13 +119,71 @@ TEST_F(BlobTest, TheSweepRemovesWhatWritersLeftAndNothingElse) {
   for (const std::string& path : foreign) EXPECT_TRUE(fs::exists(path)) << path;
 }
 
+TEST_F(BlobTest, WhatNobodyNamesLiesAsideFirstAndComesBackWhenAskedFor) {
+  constexpr SweepRules kRules{hours(1), hours(24)};
+  const std::string aside = root_ + "/aside/" + hash_;
+  MakeOld(PathOf(hash_));
+  auto report = blobs_->Sweep({}, kRules);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->aside, 1u);
+  EXPECT_EQ(report->kept + report->removed, 0u);
+  EXPECT_TRUE(fs::exists(aside));
+  EXPECT_EQ(blobs_->Get(hash_), bytes_);
+  EXPECT_FALSE(fs::exists(aside));
+  EXPECT_EQ(blobs_->Sweep({}, kRules)->kept, 1u) << "as young as a new one";
+
+  MakeOld(PathOf(hash_));
+  EXPECT_EQ(blobs_->Sweep({}, kRules)->aside, 1u);
+  EXPECT_TRUE(blobs_->Sweep({hash_}, kRules));
+  EXPECT_TRUE(fs::exists(PathOf(hash_))) << "a record names it again";
+
+  MakeOld(PathOf(hash_));
+  EXPECT_EQ(blobs_->Sweep({}, kRules)->aside, 1u);
+  fs::last_write_time(aside, fs::file_time_type::clock::now() - hours(23));
+  EXPECT_EQ(blobs_->Sweep({}, kRules)->aside, 1u);
+  fs::last_write_time(aside, fs::file_time_type::clock::now() - hours(25));
+  EXPECT_EQ(blobs_->Sweep({}, kRules)->removed, 1u);
+  EXPECT_EQ(WhyLost(), "missing");
+}
+
+TEST_F(BlobTest, TooManyAtOnceStayWhereTheyAre) {
+  std::set<std::string> named;
+  for (int i = 0; i < 20; ++i) {
+    const std::string bytes = std::to_string(i);
+    const std::string hash = *Sha256Hex(bytes);
+    ASSERT_TRUE(blobs_->Put(hash, bytes));
+    MakeOld(PathOf(hash));
+    if (i < 8) named.insert(hash);
+  }
+  SweepRules rules{hours(1), hours(24), 0.5, 5};
+  const auto held = blobs_->Sweep(named, rules);
+  ASSERT_TRUE(held);
+  EXPECT_EQ(held->held_back, 12u);
+  EXPECT_EQ(held->kept, 21u);
+  EXPECT_EQ(held->aside, 0u);
+  rules.few = 12;
+  EXPECT_EQ(blobs_->Sweep(named, rules)->aside, 12u) << "a few are never too many";
+}
+
+TEST_F(BlobTest, AFolderBelongsToOneStore) {
+  EXPECT_TRUE(blobs_->Claim("one"));
+  EXPECT_TRUE(blobs_->Claim("one"));
+  const Status other = blobs_->Claim("another");
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().kind, FaultKind::kInvalidOption);
+  EXPECT_EQ(other.error().field, "blob_dir");
+  EXPECT_NE(other.error().message.find(root_ + "/store-id"), std::string::npos);
+  fs::remove(root_ + "/store-id");
+  EXPECT_TRUE(blobs_->Claim("another"));
+}
+
 // Whoever has put a blob finds it, whatever sweeps run: the age protects it.
 TEST_F(BlobTest, WhatWasJustPutIsNotSwept) {
   auto other = FileBlobStore::Open(root_);  // another replica
   ASSERT_TRUE(other);
   std::atomic<bool> done{false};
   testing::BoundedThread sweeper("the sweeper", [&] {
-    while (!done) EXPECT_TRUE((*other)->Sweep({}, hours(1)));
+    while (!done) EXPECT_TRUE((*other)->Sweep({}, kAtOnce));
   });
   for (int i = 0; i < 200; ++i) {
     std::error_code gone;  // swept while it was old

@@ -52,9 +52,10 @@ TEST_P(ContractTest, RandomRecordsComeBackBitForBit) {
 
 TEST_P(ContractTest, WhatIsNotThereIsNothing) {
   EXPECT_EQ(specs().Load({"ann", "s"})->has_value(), false);
-  EXPECT_EQ(specs().Revision({"ann", "s"})->has_value(), false);
+  EXPECT_EQ(specs().Version({"ann", "s"})->has_value(), false);
   EXPECT_EQ(specs().Remove({"ann", "s"}), false);
-  EXPECT_EQ(specs().Extend({"ann", "s"}, Now()), false);
+  EXPECT_EQ(specs().Extend({"ann", "s"}, "", Now()), false);
+  EXPECT_EQ(specs().RemoveAsOf({"ann", "s"}, Now()), false);
   EXPECT_EQ(specs().Count(), 0u);
   EXPECT_TRUE(specs().Owners()->empty());
   EXPECT_TRUE(specs().Probe());
@@ -67,7 +68,59 @@ TEST_P(ContractTest, PutsOnlyInThePlaceOfTheRevisionBefore) {
   EXPECT_EQ(specs().Put(first), false);
   EXPECT_EQ(specs().Put(Next(Next(first))), false);
   EXPECT_EQ(specs().Put(Next(first)), true);
-  EXPECT_EQ(**specs().Revision(first.key), 2u);
+  EXPECT_EQ(**specs().Version(first.key), VersionOf(Next(first)));
+}
+
+// A session that was deleted and made again under its id is another one, whatever its revision.
+TEST_P(ContractTest, AnotherIncarnationIsAnotherSession) {
+  SessionRecord old = PlainRecord("ann", "s"), fresh = old;
+  old.incarnation = "0123456789abcdef";
+  fresh.incarnation = "fedcba9876543210";
+  EXPECT_EQ(specs().Put(old), true);
+  EXPECT_EQ(specs().Put(Next(old)), true);
+  EXPECT_EQ(specs().Remove(old.key), true);
+  EXPECT_EQ(specs().Put(fresh), true);
+  EXPECT_EQ(specs().Put(Next(fresh)), true);
+  EXPECT_NE(**specs().Version(old.key), VersionOf(Next(old)));
+  EXPECT_EQ(specs().Put(Next(Next(old))), false);
+  EXPECT_EQ(specs().Extend(old.key, old.incarnation, Now() + hours(9)), false);
+  EXPECT_EQ(Difference(**specs().Load(old.key), Next(fresh)), "");
+  EXPECT_EQ(specs().Put(Next(Next(fresh))), true);
+}
+
+TEST_P(ContractTest, RemovesAsOfAnExpiryOnlyWhatNobodyHasExtended) {
+  const SessionRecord record = PlainRecord("ann", "s");
+  EXPECT_EQ(specs().Put(record), true);
+  const auto later = record.expires + hours(1);
+  EXPECT_EQ(specs().Extend(record.key, record.incarnation, later), true);
+  EXPECT_EQ(specs().RemoveAsOf(record.key, record.expires), false);
+  EXPECT_TRUE(specs().Load(record.key)->has_value());
+  EXPECT_EQ(specs().RemoveAsOf(record.key, later), true);
+  EXPECT_EQ(specs().RemoveAsOf(record.key, later), false);
+  EXPECT_EQ(specs().Count(), 0u);
+}
+
+TEST_P(ContractTest, ShiftMovesAllExpiriesOfAStoreWithoutAClock) {
+  const SessionRecord record = PlainRecord("ann", "s");
+  EXPECT_EQ(specs().Put(record), true);
+  const auto time = specs().Time();
+  ASSERT_TRUE(time);
+  EXPECT_TRUE(specs().Shift(hours(-2)));
+  const auto expires = (*specs().Load(record.key))->expires;
+  EXPECT_EQ(expires, *time ? record.expires : record.expires - hours(2));
+  if (*time) {
+    EXPECT_LT(std::chrono::abs(**time - Now()), hours(1));
+  }
+}
+
+TEST_P(ContractTest, KnowsItsIdAndHasNoWeakness) {
+  const auto facts = specs().Facts();
+  ASSERT_TRUE(facts) << facts.error().message;
+  EXPECT_FALSE(facts->id.empty());
+  EXPECT_TRUE(facts->weaknesses.empty()) << facts->weaknesses.front().sentence;
+  EXPECT_EQ(specs().Facts()->id, facts->id);
+  EXPECT_TRUE(blobs().Claim(facts->id));
+  EXPECT_TRUE(blobs().Claim(facts->id));
 }
 
 TEST_P(ContractTest, OwnersDoNotSeeEachOther) {
@@ -87,13 +140,15 @@ TEST_P(ContractTest, CountsFollowEveryChange) {
   Add("ann", "b");
   Add("bob", "a");
   SessionRecord more = Next(PlainRecord("ann", "a"));
-  more.meshes["hand"].blob = std::string(64, 'b');
+  more.meshes["hand"] = {std::string(64, 'b'), 5'000'000};
   more.handle_sets.clear();
   EXPECT_EQ(specs().Put(more), true);
   Usage usage = *specs().UsageOf("ann");
   EXPECT_EQ(usage.sessions, 2u);
   EXPECT_EQ(usage.meshes, 3u);
   EXPECT_EQ(usage.handle_sets, 1u);
+  EXPECT_GE(usage.bytes, 5'000'000u);
+  EXPECT_LT(usage.bytes, 5'010'000u);
   EXPECT_EQ(specs().Count(), 3u);
   EXPECT_EQ(specs().Remove({"ann", "b"}), true);
   usage = *specs().UsageOf("ann");
@@ -102,6 +157,7 @@ TEST_P(ContractTest, CountsFollowEveryChange) {
   EXPECT_EQ(usage.handle_sets, 0u);
   EXPECT_EQ(specs().Remove({"ann", "a"}), true);
   EXPECT_EQ(specs().UsageOf("ann")->sessions, 0u);
+  EXPECT_EQ(specs().UsageOf("ann")->bytes, 0u);
   EXPECT_EQ(*specs().Owners(), (std::vector<std::string>{"bob"}));
   EXPECT_EQ(specs().Count(), 1u);
 }
@@ -124,9 +180,10 @@ TEST_P(ContractTest, ListsByIdInPages) {
 
 TEST_P(ContractTest, ExtendMovesTheExpiryAlone) {
   SessionRecord record = PlainRecord("ann", "s");
+  record.expires -= hours(10);  // in the past, also by the clock of the store
   EXPECT_EQ(specs().Put(record), true);
   record.expires += hours(5);
-  EXPECT_EQ(specs().Extend(record.key, record.expires), true);
+  EXPECT_EQ(specs().Extend(record.key, record.incarnation, record.expires), true);
   EXPECT_EQ(Difference(**specs().Load(record.key), record), "");
   EXPECT_EQ(Difference(specs().List("ann", "", 1)->front(), record), "");
   EXPECT_TRUE(specs().RemoveExpired(record.expires - seconds(1), 10)->empty());
@@ -182,7 +239,7 @@ TEST_P(ContractTest, OneOfManyWritersWinsEveryRevision) {
   }
   writers.clear();
   EXPECT_EQ(wins, kRevisions);
-  EXPECT_EQ(**specs().Revision({"ann", "s"}), kRevisions);
+  EXPECT_EQ((*specs().Version({"ann", "s"}))->revision, kRevisions);
   EXPECT_EQ(specs().UsageOf("ann")->meshes, 1u);
 }
 
@@ -208,8 +265,8 @@ TEST_P(ContractTest, BlobsComeBackAndAreSweptWhenNobodyNamesThem) {
   EXPECT_TRUE(blobs().Put(gone, "gone"));
   EXPECT_TRUE(blobs().Put(gone, "gone"));
   EXPECT_EQ(blobs().Get(gone), "gone");
-  EXPECT_EQ(blobs().Sweep({kept}, hours(1))->removed, 0u) << "too young";
-  const auto report = blobs().Sweep({kept}, seconds(0));
+  EXPECT_EQ(blobs().Sweep({kept}, {hours(1), seconds(0)})->removed, 0u) << "too young";
+  const auto report = blobs().Sweep({kept}, {seconds(0), seconds(0)});
   ASSERT_TRUE(report);
   EXPECT_EQ(report->removed, 1u);
   EXPECT_EQ(report->removed_bytes, 4u);

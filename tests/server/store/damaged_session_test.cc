@@ -36,7 +36,8 @@ class DamagedSession : public ::testing::Test {
     auto stores = store::OpenStores(options);
     ASSERT_TRUE(stores) << stores.error().message;
     stores_ = *std::move(stores);
-    sessions_.emplace(limits_, clock_, *stores_.specs, [](const store::SessionRecord&) {});
+    if (redis_) stores_.specs = std::make_unique<testing::RedisWithFakeTime>(*redis_, clock_);
+    sessions_.emplace(limits_, clock_, *stores_.specs, memory_, [](const store::SessionRecord&) {});
   }
   void Close() {
     sessions_.reset();
@@ -84,6 +85,7 @@ class DamagedSession : public ::testing::Test {
   const Caller ann_{"ann", Role::kUser, {}};
   const Limits limits_{};
   runtime::FakeClock clock_;
+  DerivedCache memory_{limits_.max_bytes, {}, clock_};
   testing::TempDir dir_;
   std::optional<testing::RedisServer> redis_;
   store::Stores stores_;

@@ -122,9 +122,9 @@ TEST(KillTest, WhatWasAcknowledgedIsThere) {
     // One that was written but not acknowledged.
     for (std::uint64_t session = 0; session < kSessions; ++session) {
       if (at[session] != 0) continue;
-      const auto revision = stores->specs->Revision({"ann", std::to_string(session)});
-      ASSERT_TRUE(revision);
-      if (*revision) at[session] = **revision;
+      const auto version = stores->specs->Version({"ann", std::to_string(session)});
+      ASSERT_TRUE(version);
+      if (*version) at[session] = (*version)->revision;
     }
   }
   EXPECT_GE(total, static_cast<std::uint64_t>(rounds));

@@ -1,9 +1,16 @@
 // OpenStores: what it takes and what it says about the rest.
+#include <string>
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include "server/store/open_store.h"
 #include "server/store/redis/redis.h"
+#include "tests/server/store/records.h"
+#include "tests/server/store/redis_server.h"
+#include "tests/server/store/store_kind.h"
 #include "tests/server/store/temp_dir.h"
 
 namespace arap::store {
@@ -59,6 +66,89 @@ TEST(OpenStoreTest, DirectoriesArePrivate) {
   ASSERT_EQ(stat((dir / "state/blobs").c_str(), &info), 0);
   EXPECT_EQ(info.st_mode & 0777u, 0700u);
   ASSERT_EQ(stat((dir / "state/sessions.db").c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777u, 0600u);
+}
+
+TEST(OpenStoreTest, WhatEarlierVersionsLeftOpenIsClosed) {
+  const testing::TempDir dir;
+  const std::string database = dir / "state/sessions.db";
+  ASSERT_TRUE(Open("sqlite:" + (dir / "state")));
+  ASSERT_EQ(chmod(database.c_str(), 0644), 0);
+  auto stores = Open("sqlite:" + (dir / "state"));
+  ASSERT_TRUE(stores);
+  ASSERT_EQ(stores->specs->Put(testing::PlainRecord("ann", "s")), true);
+  for (const char* part : {"", "-wal"}) {
+    struct stat info {};
+    ASSERT_EQ(stat((database + part).c_str(), &info), 0) << part;
+    EXPECT_EQ(info.st_mode & 0777u, 0600u) << part;
+  }
+}
+
+TEST(OpenStoreTest, AFolderThatEverybodyMayWriteIntoIsRefused) {
+  const testing::TempDir dir;
+  for (const char* open : {"state", "state/blobs"}) {
+    ASSERT_TRUE(Open("sqlite:" + (dir / "state")));
+    ASSERT_EQ(chmod((dir / open).c_str(), 0777), 0);
+    const auto stores = Open("sqlite:" + (dir / "state"));
+    ASSERT_FALSE(stores) << open;
+    EXPECT_NE(stores.error().message.find("chmod o-w"), std::string::npos) << open;
+    ASSERT_EQ(chmod((dir / open).c_str(), 0700), 0);
+  }
+}
+
+// With the blobs of another store its own would be swept away, and the other's too.
+TEST(OpenStoreTest, TheBlobsOfAnotherStoreAreRefused) {
+  const testing::TempDir dir;
+  const std::string blobs = dir / "blobs";
+  ASSERT_TRUE(Open("sqlite:" + (dir / "one"), blobs));
+  ASSERT_TRUE(Open("sqlite:" + (dir / "one"), blobs));
+  testing::RedisServer redis;
+  for (const std::string& store : {"sqlite:" + (dir / "two"), redis.Url(), redis.Url() + "/1"}) {
+    const auto other = Open(store, blobs);
+    ASSERT_FALSE(other) << store;
+    EXPECT_EQ(other.error().kind, FaultKind::kInvalidOption);
+    EXPECT_NE(other.error().message.find("belong to another store"), std::string::npos);
+  }
+  ASSERT_TRUE(Open(redis.Url(), dir / "shared"));
+  ASSERT_TRUE(Open(redis.Url(), dir / "shared")) << "another replica";
+  EXPECT_FALSE(Open(redis.Url() + "/1", dir / "shared"));
+  testing::RawRedis(redis.Url(), {"FLUSHALL"});
+  EXPECT_FALSE(Open(redis.Url(), dir / "shared")) << "an emptied one";
+}
+
+TEST(OpenStoreTest, ARedisThatLosesThingsIsRefusedUnlessAllowed) {
+  using Commands = std::vector<RedisCommand>;
+  for (const auto& [commands, word] :
+       {std::pair{Commands{{"CONFIG", "SET", "maxmemory", "100mb"},
+                           {"CONFIG", "SET", "maxmemory-policy", "allkeys-lru"}},
+                  "allkeys-lru"},
+        std::pair{Commands{{"CONFIG", "SET", "appendonly", "no"}}, "keeps nothing"}}) {
+    const testing::TempDir dir;
+    testing::RedisServer redis;
+    for (const RedisCommand& command : commands) testing::RawRedis(redis.Url(), command);
+    const auto refused = Open(redis.Url(), dir / "blobs");
+    ASSERT_FALSE(refused) << word;
+    EXPECT_NE(refused.error().message.find(word), std::string::npos) << refused.error().message;
+    EXPECT_NE(refused.error().message.find("--allow-lossy-store"), std::string::npos);
+    StoreOptions options;
+    options.store = redis.Url();
+    options.blob_dir = dir / "blobs";
+    options.allow_lossy = true;
+    const auto allowed = OpenStores(options);
+    ASSERT_TRUE(allowed) << allowed.error().message;
+    EXPECT_EQ(allowed->specs->Facts()->weaknesses.size(), 1u) << "but told";
+    EXPECT_TRUE(allowed->blobs->Claim(allowed->specs->Facts()->id));
+    testing::RawRedis(redis.Url(), {"FLUSHALL"});
+    EXPECT_TRUE(OpenStores(options)) << "it has lost everything, as it may";
+  }
+  // Snapshots are told, too, and no reason to refuse.
+  const testing::TempDir dir;
+  testing::RedisServer redis;
+  testing::RawRedis(redis.Url(), {"CONFIG", "SET", "appendonly", "no"});
+  testing::RawRedis(redis.Url(), {"CONFIG", "SET", "save", "3600 1"});
+  const auto stores = Open(redis.Url(), dir / "blobs");
+  ASSERT_TRUE(stores);
+  EXPECT_STREQ(stores->specs->Facts()->weaknesses.at(0).reason, "flushes_rarely");
 }
 
 TEST(OpenStoreTest, OneServerPerDirectory) {

@@ -113,6 +113,7 @@ runtime::Clock::Wall Now() {
 SessionRecord PlainRecord(const std::string& owner, const std::string& id, char digit) {
   SessionRecord record;
   record.key = {owner, id};
+  record.incarnation = "00112233aabbccdd";
   record.ttl = std::chrono::hours(1);
   record.created = Now();
   record.expires = record.created + record.ttl;
@@ -127,6 +128,7 @@ SessionRecord PlainRecord(const std::string& owner, const std::string& id, char 
 SessionRecord RandomRecord(Random& random) {
   SessionRecord record;
   record.key = {AnyText(random), AnyText(random)};
+  record.incarnation = AnyText(random);
   record.ttl = std::chrono::milliseconds(random.Below(1u << 30u));
   record.created = Now() + std::chrono::milliseconds(random.Below(1000));
   record.expires = Now() + std::chrono::milliseconds(random.Below(1u << 30u));
@@ -134,7 +136,7 @@ SessionRecord RandomRecord(Random& random) {
   for (std::size_t i = random.Below(4); i > 0; --i)
     record.labels[AnyText(random)] = AnyText(random);
   for (std::size_t i = random.Below(4); i > 0; --i) {
-    record.meshes[AnyText(random)].blob = AnyText(random);
+    record.meshes[AnyText(random)] = {AnyText(random), random.Below(1u << 30u)};
   }
   for (std::size_t i = random.Below(3); i > 0; --i) {
     store::HandleSetRecord set{AnyText(random), {}, Bits(random)};
@@ -153,6 +155,7 @@ SessionRecord Next(SessionRecord record) {
 
 std::string Difference(const SessionRecord& a, const SessionRecord& b) {
   if (a.key != b.key) return "key";
+  if (a.incarnation != b.incarnation) return "incarnation";
   if (a.ttl != b.ttl) return "ttl";
   if (a.labels != b.labels) return "labels";
   if (a.created != b.created) return "created";
@@ -161,6 +164,7 @@ std::string Difference(const SessionRecord& a, const SessionRecord& b) {
   if (a.meshes.size() != b.meshes.size()) return "number of meshes";
   for (auto i = a.meshes.begin(), j = b.meshes.begin(); i != a.meshes.end(); ++i, ++j) {
     if (i->first != j->first || i->second.blob != j->second.blob) return "meshes";
+    if (i->second.bytes != j->second.bytes) return "bytes of a mesh";
   }
   if (a.handle_sets.size() != b.handle_sets.size()) return "number of handle sets";
   for (auto i = a.handle_sets.begin(), j = b.handle_sets.begin(); i != a.handle_sets.end();

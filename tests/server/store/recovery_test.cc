@@ -150,7 +150,7 @@ TEST_F(RecoveryTest, ALaterVersionIsLeftAlone) {
   {
     auto database = Sqlite::Open(Database(), Sqlite::Missing::kRefuse);
     ASSERT_TRUE(database);
-    ASSERT_EQ(database->Run("PRAGMA user_version = 2"), SQLITE_OK);
+    ASSERT_EQ(database->Run("PRAGMA user_version = 3"), SQLITE_OK);
   }
   const std::string before = testing::Slurp(Database());
   const auto stores = Open();

@@ -7,8 +7,10 @@
 #include <poll.h>
 
 #include "server/store/redis/redis_store.h"
+#include "tests/server/store/lossy_proxy.h"
 #include "tests/server/store/records.h"
 #include "tests/server/store/redis_server.h"
+#include "tests/server/store/store_kind.h"
 #include "tests/support/bounded.h"
 
 namespace arap::store {
@@ -26,14 +28,7 @@ RedisOptions Options(const std::string& url) {
   return options;
 }
 
-// A command past the store.
-RedisReply Raw(const std::string& url, const RedisCommand& command) {
-  auto connection = RedisConnection::Open(*ParseRedisUrl(url), std::chrono::seconds(5));
-  EXPECT_TRUE(connection);
-  auto replies = (*connection)->Run({command});
-  EXPECT_TRUE(replies);
-  return std::move(replies->front());
-}
+using testing::RawRedis;
 
 TEST(RedisFaultTest, GoneIsSaidAtOnceAndBackWorksAtOnce) {
   testing::RedisServer redis;
@@ -51,7 +46,7 @@ TEST(RedisFaultTest, GoneIsSaidAtOnceAndBackWorksAtOnce) {
     EXPECT_FALSE(specs.Probe());
     EXPECT_LT(steady_clock::now() - start, std::chrono::seconds(5)) << "20 calls that fail";
     redis.Restart();
-    EXPECT_EQ(**specs.Revision(record.key), record.revision);
+    EXPECT_EQ(**specs.Version(record.key), VersionOf(record));
     record = Next(record);
     EXPECT_EQ(specs.Put(record), true) << "scripts are sent again";
     EXPECT_EQ(testing::Difference(**specs.Load(record.key), record), "");
@@ -108,7 +103,7 @@ TEST(RedisFaultTest, ReplicasSeeEachOther) {
   EXPECT_EQ(second.Put(record), false);
   EXPECT_EQ(second.Put(Next(record)), true);
   EXPECT_EQ(first.Put(Next(record)), false) << "equal, but somebody else's";
-  EXPECT_EQ(**first.Revision(record.key), 2u);
+  EXPECT_EQ((*first.Version(record.key))->revision, 2u);
   EXPECT_TRUE(first.shared());
 }
 
@@ -116,14 +111,14 @@ TEST(RedisFaultTest, NonsenseIsLostAlone) {
   testing::RedisServer redis;
   RedisSpecStore specs(Options(redis.Url()));
   for (const char* id : {"a", "b", "c"}) ASSERT_EQ(specs.Put(PlainRecord("ann", id)), true);
-  Raw(redis.Url(), {"HSET", "arap:session:3:ann:b", "record", "nonsense"});
+  RawRedis(redis.Url(), {"HSET", "arap:session:3:ann:b", "record", "nonsense"});
   const auto lost = specs.Load({"ann", "b"});
   ASSERT_FALSE(lost);
   EXPECT_EQ(lost.error().kind, FaultKind::kDataLoss);
   EXPECT_EQ(lost.error().details.at(1).second, "b");
   EXPECT_EQ(specs.List("ann", "", 2)->size(), 2u) << "the page is filled with what follows";
   EXPECT_EQ(specs.Remove({"ann", "b"}), true);
-  Raw(redis.Url(), {"SET", "arap:session:3:ann:c", "another type"});
+  RawRedis(redis.Url(), {"SET", "arap:session:3:ann:c", "another type"});
   EXPECT_EQ(specs.Load({"ann", "c"}).error().kind, FaultKind::kStoreUnavailable);
   EXPECT_TRUE(specs.Load({"ann", "a"})->has_value());
 }
@@ -134,33 +129,54 @@ TEST(RedisFaultTest, SessionsThatNobodyRemovesGoByThemselvesADayLater) {
   SessionRecord record = PlainRecord("ann", "s");
   ASSERT_EQ(specs.Put(record), true);
   const auto left = [&] {
-    return milliseconds(Raw(redis.Url(), {"PTTL", "arap:session:3:ann:s"}).Int());
+    return milliseconds(RawRedis(redis.Url(), {"PTTL", "arap:session:3:ann:s"}).Int());
   };
   EXPECT_GT(left(), std::chrono::hours(24) + std::chrono::minutes(50));
   EXPECT_LT(left(), std::chrono::hours(25) + std::chrono::minutes(1));
-  EXPECT_EQ(specs.Extend(record.key, record.expires + std::chrono::hours(10)), true);
+  EXPECT_EQ(specs.Extend(record.key, record.incarnation, record.expires + std::chrono::hours(10)),
+            true);
   EXPECT_GT(left(), std::chrono::hours(34));
+  const auto before = record.created - std::chrono::hours(30);
+  EXPECT_EQ(specs.Extend(record.key, record.incarnation, before), true);
+  EXPECT_GT(left(), std::chrono::hours(23)) << "counted from now at the earliest";
   // Redis did it: what is left of it is found and named.
-  Raw(redis.Url(), {"DEL", "arap:session:3:ann:s"});
+  RawRedis(redis.Url(), {"DEL", "arap:session:3:ann:s"});
   EXPECT_FALSE(specs.Load(record.key)->has_value());
   EXPECT_TRUE(specs.List("ann", "", 10)->empty());
-  EXPECT_EQ(specs.RemoveExpired(record.expires + std::chrono::hours(11), 10)->size(), 1u);
+  EXPECT_EQ(specs.RemoveExpired(testing::Now(), 10)->size(), 1u);
   EXPECT_EQ(specs.UsageOf("ann")->sessions, 0u);
-  EXPECT_EQ(Raw(redis.Url(), {"DBSIZE"}).Int(), 0) << "nothing stays";
+  EXPECT_EQ(RawRedis(redis.Url(), {"DBSIZE"}).Int(), 0) << "nothing stays";
 }
 
 TEST(RedisFaultTest, AFullRedisRefusesByName) {
   testing::RedisServer redis;
   RedisSpecStore specs(Options(redis.Url()));
   ASSERT_EQ(specs.Put(PlainRecord("ann", "s")), true);
-  Raw(redis.Url(), {"CONFIG", "SET", "maxmemory", "1"});
+  RawRedis(redis.Url(), {"CONFIG", "SET", "maxmemory", "1"});
   const auto put = specs.Put(PlainRecord("ann", "t"));
   ASSERT_FALSE(put);
   EXPECT_EQ(put.error().kind, FaultKind::kStoreUnavailable);
   EXPECT_NE(put.error().message.find("OOM"), std::string::npos) << put.error().message;
   EXPECT_TRUE(specs.Load({"ann", "s"})->has_value());
-  Raw(redis.Url(), {"CONFIG", "SET", "maxmemory", "0"});
+  RawRedis(redis.Url(), {"CONFIG", "SET", "maxmemory", "0"});
   EXPECT_EQ(specs.Put(PlainRecord("ann", "t")), true);
+}
+
+// A connection that breaks after the work and before the answer: the call is done once more.
+TEST(RedisFaultTest, WhatWasDoneBeforeTheConnectionBrokeCounts) {
+  testing::RedisServer redis;
+  testing::LossyProxy proxy(redis.port());
+  RedisSpecStore specs(Options(proxy.Url()));
+  SessionRecord record = PlainRecord("ann", "s");
+  ASSERT_EQ(specs.Put(record), true);
+  proxy.LoseNextAnswer();
+  record = Next(record);
+  EXPECT_EQ(specs.Put(record), true);
+  EXPECT_EQ(**specs.Version(record.key), VersionOf(record));
+  proxy.LoseNextAnswer();
+  EXPECT_EQ(specs.Remove(record.key), true);
+  EXPECT_EQ(specs.Remove(record.key), false);
+  EXPECT_EQ(proxy.lost(), 2);
 }
 
 }  // namespace

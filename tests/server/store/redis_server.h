@@ -20,6 +20,8 @@ class RedisServer {
   // "redis://127.0.0.1:PORT", with the password if there is one.
   std::string Url() const;
 
+  int port() const { return port_; }
+
   void Kill();     // SIGKILL, and waits for the end
   void Restart();  // on the same port, with what is on disk
   void Freeze();   // SIGSTOP

@@ -1,5 +1,6 @@
 #include "tests/server/store/store_kind.h"
 
+#include <chrono>
 #include <stdexcept>
 #include <utility>
 
@@ -21,6 +22,15 @@ StoreUnderTest::StoreUnderTest(StoreKind kind) {
   auto stores = store::OpenStores(options);
   if (!stores) throw std::runtime_error(stores.error().message);
   stores_ = *std::move(stores);
+}
+
+store::RedisReply RawRedis(const std::string& url, const store::RedisCommand& command) {
+  auto connection =
+      store::RedisConnection::Open(*store::ParseRedisUrl(url), std::chrono::seconds(5));
+  if (!connection) throw std::runtime_error(connection.error().message);
+  auto replies = (*connection)->Run({command});
+  if (!replies) throw std::runtime_error(replies.error().message);
+  return std::move(replies->front());
 }
 
 }  // namespace arap::testing

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <ostream>
 
+#include "server/runtime/clock.h"
 #include "server/store/open_store.h"
+#include "server/store/redis/redis_store.h"
 #include "tests/server/store/redis_server.h"
 #include "tests/server/store/temp_dir.h"
 
@@ -25,6 +28,20 @@ class StoreUnderTest {
   TempDir dir_;
   std::unique_ptr<RedisServer> redis_;
   store::Stores stores_;
+};
+
+// A command past the store; a failure of the test when Redis does not answer it.
+store::RedisReply RawRedis(const std::string& url, const store::RedisCommand& command);
+
+// Redis whose own clock is the one of the test.
+class RedisWithFakeTime final : public store::RedisSpecStore {
+ public:
+  RedisWithFakeTime(const RedisServer& redis, const runtime::Clock& clock)
+      : RedisSpecStore(store::RedisOptions{*store::ParseRedisUrl(redis.Url())}), clock_(clock) {}
+  Result<std::optional<runtime::Clock::Wall>> Time() override { return clock_.WallNow(); }
+
+ private:
+  const runtime::Clock& clock_;
 };
 
 }  // namespace arap::testing

@@ -100,5 +100,18 @@ TEST_F(ReadinessTest, DrainingComesBeforeAllElse) {
   EXPECT_EQ(readiness_.Check().state, State::kDraining);
 }
 
+TEST_F(ReadinessTest, WeaknessesOfTheStoreAreToldAndGraveOnesCount) {
+  std::vector<store::Weakness> weaknesses;
+  readiness_.WatchStore([] { return Status(); }, [&] { return weaknesses; });
+  EXPECT_TRUE(readiness_.Check().ready());
+  EXPECT_EQ(readiness_.Check().why, "");
+  weaknesses = {{"mass_removal", "Much goes.", false}};
+  EXPECT_TRUE(readiness_.Check().ready());
+  EXPECT_EQ(readiness_.Check().why, "Much goes.");
+  weaknesses.push_back({"evicts", "It evicts.", true});
+  EXPECT_EQ(readiness_.Check().state, State::kStore);
+  EXPECT_EQ(readiness_.Check().why, "Much goes. It evicts.");
+}
+
 }  // namespace
 }  // namespace arap::host
