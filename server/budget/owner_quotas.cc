@@ -27,6 +27,8 @@ OwnerQuotas::Ahead OwnerQuotas::AheadLocked(std::uint64_t number) const {
     if (taken.owner != mine.owner) continue;
     if (mine.more.sessions > 0) ahead.owner.sessions += taken.more.sessions;
     if (mine.more.meshes > 0) ahead.owner.meshes += taken.more.meshes;
+    // Only who adds meshes adds bytes that are looked at.
+    if (mine.more.bytes > 0) ahead.owner.bytes += taken.more.bytes;
     if (mine.more.handle_sets > 0) ahead.owner.handle_sets += taken.more.handle_sets;
   }
   return ahead;
@@ -64,6 +66,9 @@ Result<std::optional<OwnerQuotas::Shortage>> OwnerQuotas::Find(const Caller& cal
   if (full(usage.handle_sets, ahead.owner.handle_sets, more.handle_sets, most.max_handle_sets)) {
     return Shortage{"max_handle_sets_per_owner", most.max_handle_sets};
   }
+  if (full(usage.bytes, ahead.owner.bytes, more.bytes, most.max_stored_bytes)) {
+    return Shortage{"max_stored_bytes_per_owner", most.max_stored_bytes};
+  }
   if (more.sessions == 0) return std::nullopt;
   TRY(const std::size_t count, store_.Count());
   if (full(count, ahead.sessions, more.sessions, limits_.max_sessions)) {
@@ -73,6 +78,10 @@ Result<std::optional<OwnerQuotas::Shortage>> OwnerQuotas::Find(const Caller& cal
 }
 
 Result<OwnerQuotas::Place> OwnerQuotas::Take(const Caller& caller, const store::Usage& more) {
+  if (more.bytes > caller.limits.max_stored_bytes) {
+    return Fail(TooLarge("What is to be stored", "max_stored_bytes_per_owner", more.bytes,
+                         caller.limits.max_stored_bytes));
+  }
   Place place = Enter(caller.owner, more);
   for (;;) {
     TRY(const auto shortage, Find(caller, more, AheadOf(place.number_)));

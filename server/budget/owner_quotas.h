@@ -1,6 +1,6 @@
-// OwnerQuotas: how many sessions, meshes and handle sets an owner may have in the store, and how
-// many sessions all owners together. An owner's open streams are counted in streams/open_streams.h,
-// its bytes in derived_cache.h.
+// OwnerQuotas: how many sessions, meshes, handle sets and bytes an owner may have in the store, and
+// how many sessions all owners together. An owner's open streams are counted in
+// streams/open_streams.h, its bytes in memory in derived_cache.h.
 #pragma once
 
 #include <cstddef>
@@ -50,7 +50,8 @@ class OwnerQuotas {
   };
 
   // A place for `more`. kLimitExceeded with the quota that is used up: max_sessions_per_owner,
-  // max_sessions, max_meshes_per_owner or max_handle_sets_per_owner. The faults of the store.
+  // max_sessions, max_meshes_per_owner, max_handle_sets_per_owner or max_stored_bytes_per_owner,
+  // whose fault says so when `more` would never fit. The faults of the store.
   Result<Place> Take(const Caller& caller, const store::Usage& more);
 
  private:

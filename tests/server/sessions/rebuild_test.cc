@@ -226,13 +226,36 @@ TEST_F(WarmTest, OwnersHaveQuotas) {
             "max_handle_sets_per_owner");
 }
 
+TEST_F(WarmTest, BytesInTheStoreAreTheOwners) {
+  Open(ann_, "s");
+  Open(ann_, "t");
+  ASSERT_TRUE(Register(ann_, "s", "m"));
+  const std::size_t used = engine_->stores.specs->UsageOf("ann")->bytes;
+  ASSERT_GT(used, 1'000u);
+  Caller small = ann_;
+  const auto refused = [&](std::size_t limit) {
+    small.limits.max_stored_bytes = limit;
+    const auto result = Register(small, "t", "m");
+    EXPECT_FALSE(result);
+    if (result) return FaultKind::kInternal;
+    EXPECT_NE(result.error().message.find("max_stored_bytes_per_owner"), std::string::npos)
+        << result.error().message;
+    return result.error().kind;
+  };
+  EXPECT_EQ(refused(used + 100), FaultKind::kLimitExceeded) << "in the other session, too";
+  EXPECT_EQ(refused(100), FaultKind::kLimitExceeded) << "never";
+  ASSERT_TRUE(DeleteMesh(*engine_, small, "s", "m"));
+  small.limits.max_stored_bytes = used + 100;
+  EXPECT_TRUE(Register(small, "t", "m"));
+}
+
 TEST_F(WarmTest, UnnamedBlobsAreCollected) {
   Open(ann_, "s");
   ASSERT_TRUE(Register(ann_, "s", "m"));
-  EXPECT_EQ(engine_->CollectBlobs(seconds(0))->kept, 1u);
+  EXPECT_EQ(engine_->keeper.Collect({seconds(0), seconds(0)})->kept, 1u);
   ASSERT_TRUE(DeleteMesh(*engine_, ann_, "s", "m"));
-  EXPECT_EQ(engine_->CollectBlobs(minutes(10))->kept, 1u) << "too young to judge";
-  EXPECT_EQ(engine_->CollectBlobs(seconds(0))->removed, 1u);
+  EXPECT_EQ(engine_->keeper.Collect({minutes(10), seconds(0)})->kept, 1u) << "too young to judge";
+  EXPECT_EQ(engine_->keeper.Collect({seconds(0), seconds(0)})->removed, 1u);
 }
 
 TEST_F(WarmTest, ExpiryIsStoredBeforeItIsOvertaken) {

@@ -24,6 +24,7 @@ struct OwnerLimits {
   std::size_t max_handle_sets = 16'000;
   std::size_t max_bytes = std::size_t{4} << 30u;
   std::size_t max_streams = 256;
+  std::size_t max_stored_bytes = std::size_t{16} << 30u;
 
   bool operator==(const OwnerLimits&) const = default;
 };
@@ -109,6 +110,8 @@ inline constexpr LimitInfo kLimits[] = {
     {"max_bytes_per_owner", &OwnerLimits::max_bytes, "Bytes of factors and tables of one owner", 0,
      kMaxLimitBytes},
     {"max_streams_per_owner", &OwnerLimits::max_streams, "Open streams and tracks of one owner"},
+    {"max_stored_bytes_per_owner", &OwnerLimits::max_stored_bytes,
+     "Bytes of one owner in the store: records and the meshes that they name", 0, kMaxLimitBytes},
     {"default_ttl", &Limits::default_ttl,
      "How long a session lives without use, unless it says so itself", 1, 1e9, false},
     {"max_ttl", &Limits::max_ttl, "How long a session may ask to live without use", 1},
