@@ -62,11 +62,11 @@ Result<std::vector<RawTokenEntry>> ParseRawTokenFile(std::string_view text,
 // The file of these entries, each with the fields and values that it was read with.
 std::string FormatRawTokenFile(std::span<const RawTokenEntry> entries);
 
-// Changes the file: `change` gets its text, nothing when there is no file, and answers the new one. A
-// lock beside the file (PATH.lock) is held from reading to writing, so that changes of several
-// processes come one after the other; the new text is on the disk when this returns. Faults: that of
-// `change`; kInternal with the path when the file cannot be read or written, or when somebody else
-// changes it for longer than half a minute.
+// Changes the file: `change` gets its text, nothing when there is no file, and answers the new one.
+// A lock beside the file (PATH.lock) is held from reading to writing, so that changes of several
+// processes come one after the other; the new text is on the disk when this returns. Faults: that
+// of `change`; kInternal with the path when the file cannot be read or written, or when somebody
+// else changes it for longer than half a minute.
 using TokenFileChange = std::function<Result<std::string>(const std::optional<std::string>& text)>;
 Status ChangeTokenFile(const std::string& path, const TokenFileChange& change);
 

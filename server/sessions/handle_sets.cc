@@ -151,7 +151,8 @@ Result<HandleSetEntry> EditHandles(Workshop& workshop, const Caller& caller,
     std::string blob;
     const auto replace = [&](store::SessionRecord& record) -> Result<bool> {
       TRY(const auto set, FindHandleSet(record, handle_set_id));
-      // Another edit came first, or another set or another mesh has the id now: do this one on that.
+      // Another edit came first, or another set or another mesh has the id now: do this one on
+      // that.
       if (set.revision != entry.revision || record.meshes.at(set.mesh_id).blob != entry.blob ||
           !store::SameDefinitions(set.definitions, entry.definitions)) {
         return false;

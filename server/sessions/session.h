@@ -43,8 +43,8 @@ struct SessionView {
 // How much longer than it was told to live a session is stored. Its expiry moves with every use;
 // the store follows with every sweep, and a crash in between must not shorten a life. Other
 // processes take a session for ended half of that before the stored expiry, so the stored one is
-// moved when it lags behind by half, or by a sixth where the life is short: then a sweep may be many
-// seconds late before another process is misled.
+// moved when it lags behind by half, or by a sixth where the life is short: then a sweep may be
+// many seconds late before another process is misled.
 inline constexpr std::chrono::milliseconds kStoredLonger = std::chrono::seconds(30);
 inline constexpr std::chrono::milliseconds kShortTtl = std::chrono::seconds(60);
 

@@ -28,9 +28,9 @@ struct SessionPage {
   std::string next_token;             // empty at the end
 };
 
-// Thread-safe. Everything but Peek and Glance may wait for the store: not for the interactive lane. An expired
-// session is gone for every caller. Every call may answer the store's faults, kStoreUnavailable and
-// kDataLoss; nothing has changed then.
+// Thread-safe. Everything but Peek and Glance may wait for the store: not for the interactive lane.
+// An expired session is gone for every caller. Every call may answer the store's faults,
+// kStoreUnavailable and kDataLoss; nothing has changed then.
 //
 // Which call waits for which:
 //   - Each session has a lock of its own (session_locks.h). Whoever creates, loads, changes,
@@ -48,8 +48,9 @@ struct SessionPage {
 //   - mutex_ guards the map alone, for moments; no store is asked under it.
 class SessionRegistry {
  public:
-  // All outlive the registry. Records count in `memory`. `released` hears the last record of every session that has ended
-  // here, in the thread that ended it; it must not call the registry, except InUse.
+  // All outlive the registry. Records count in `memory`. `released` hears the last record of every
+  // session that has ended here, in the thread that ended it; it must not call the registry, except
+  // InUse.
   SessionRegistry(const Limits& limits, const runtime::Clock& clock, store::SpecStore& store,
                   DerivedCache& memory, std::function<void(const store::SessionRecord&)> released);
 

@@ -16,8 +16,8 @@ namespace arap::store {
 Result<std::string> EncodeRecord(const SessionRecord& record);
 
 // Reads what this and every earlier version wrote. kStoreUnavailable, naming the format, for what a
-// later version wrote; kDataLoss for text that EncodeRecord did not write; details "owner" and "session" are left to
-// the caller, who knows where the text came from.
+// later version wrote; kDataLoss for text that EncodeRecord did not write; details "owner" and
+// "session" are left to the caller, who knows where the text came from.
 Result<SessionRecord> DecodeRecord(std::string_view text);
 
 }  // namespace arap::store

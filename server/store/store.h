@@ -186,8 +186,8 @@ struct SweepRules {
   std::chrono::seconds age;
   // How long they lie aside.
   std::chrono::seconds aside;
-  // More than this share of all blobs, if it is more than `few`, is set aside by no sweep: that many
-  // are rather missed by mistake.
+  // More than this share of all blobs, if it is more than `few`, is set aside by no sweep: that
+  // many are rather missed by mistake.
   double share = 1;
   std::size_t few = 0;
 };

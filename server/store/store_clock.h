@@ -1,5 +1,5 @@
-// StoreClock: the time by which sessions expire. It is the store's, so that a server whose own clock
-// is wrong ends nobody's session.
+// StoreClock: the time by which sessions expire. It is the store's, so that a server whose own
+// clock is wrong ends nobody's session.
 #pragma once
 
 #include <chrono>

@@ -8,8 +8,8 @@
 
 namespace arap::runtime {
 
-// Thread-safe. Both clocks start at an arbitrary fixed time and advance together; the time of day can
-// be set.
+// Thread-safe. Both clocks start at an arbitrary fixed time and advance together; the time of day
+// can be set.
 class FakeClock final : public Clock {
  public:
   Wall WallNow() const override {

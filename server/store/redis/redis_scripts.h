@@ -8,8 +8,9 @@
 namespace arap::store {
 
 // Keys, under a prefix:
-//   session:PLACE   hash: incarnation, revision, token (of the Put that wrote it), record (record_format.h),
-//                   expires (counts; the one in the record is that of the last Put), blobs
+//   session:PLACE   hash: incarnation, revision, token (of the Put that wrote it), record
+//                   (record_format.h), expires (counts; the one in the record is that of the last
+//                   Put), blobs
 //   ids:OWNER       sorted set of the owner's session ids, all with score 0
 //   counts:OWNER    hash: session id → "MESHES HANDLE_SETS BYTES"
 //   owners          sorted set of the owners that have sessions, all with score 0
@@ -48,8 +49,8 @@ local stored = redis.call('HMGET', KEYS[1], 'revision', 'token', 'incarnation')
 if stored[1] == ARGV[2] and stored[2] == ARGV[3] then return 1 end
 if (stored[1] or '0') ~= ARGV[1] then return 0 end
 if stored[1] and (stored[3] or '') ~= ARGV[11] then return 0 end
-redis.call('HSET', KEYS[1], 'incarnation', ARGV[11], 'revision', ARGV[2], 'token', ARGV[3], 'record', ARGV[4],
-           'expires', ARGV[5], 'blobs', ARGV[7])
+redis.call('HSET', KEYS[1], 'incarnation', ARGV[11], 'revision', ARGV[2], 'token', ARGV[3],
+           'record', ARGV[4], 'expires', ARGV[5], 'blobs', ARGV[7])
 redis.call('ZADD', KEYS[2], 0, ARGV[8])
 redis.call('HSET', KEYS[3], ARGV[8], ARGV[6])
 redis.call('ZADD', KEYS[4], 0, ARGV[9])
@@ -81,7 +82,8 @@ redis.call('SET', KEYS[6], '', 'PX', 30000)
 return there
 )lua";
 
-// KEYS owners expiry; ARGV prefix now limit. What has expired by `now` and by the clock of Redis. Owner and id of each that was removed.
+// KEYS owners expiry; ARGV prefix now limit. What has expired by `now` and by the clock of Redis.
+// Owner and id of each that was removed.
 inline const char* const kRemoveExpiredBody = R"lua(
 local prefix = ARGV[1]
 local removed = {}

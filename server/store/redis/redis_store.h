@@ -20,9 +20,10 @@ struct RedisOptions {
 };
 
 // As durable as Redis is configured to be (appendonly, appendfsync); it must not evict keys
-// (maxmemory-policy noeviction). Facts says so when it is not. While it is gone calls fail at once, while it hangs within
-// RedisOptions::timeout; afterwards the next call works. When a connection breaks in the middle of
-// a call and no new one can be had, whether something was changed is not known.
+// (maxmemory-policy noeviction). Facts says so when it is not. While it is gone calls fail at once,
+// while it hangs within RedisOptions::timeout; afterwards the next call works. When a connection
+// breaks in the middle of a call and no new one can be had, whether something was changed is not
+// known.
 class RedisSpecStore : public SpecStore {
  public:
   // Connects at the first call.

@@ -99,7 +99,8 @@ TEST_F(SharedSessionTest, AShortLifeInUseAtOneLivesOnAtTheOther) {
   EXPECT_TRUE(first_.sessions.View("ann", "brief"));
 }
 
-// A server whose clock is wrong ends nobody's session, and gives its own sessions their whole lives.
+// A server whose clock is wrong ends nobody's session, and gives its own sessions their whole
+// lives.
 TEST(SkewedServerTest, GoesByTheClockOfTheStore) {
   for (const int hours : {2, -2}) {
     testing::RedisServer redis;
