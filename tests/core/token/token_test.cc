@@ -2,16 +2,21 @@
 // is refused, field by field, is in tests/server/access/tokens_test.cc.
 #include "core/token/token.h"
 
+#include <optional>
 #include <regex>
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include "core/base/files.h"
 #include "core/base/names.h"
 #include "core/token/digest.h"
 #include "core/token/token_file.h"
+#include "tests/support/folder.h"
 
 namespace arap {
 namespace {
@@ -149,6 +154,46 @@ TEST(TokenFile, FaultsNameTheEntryAndTheField) {
   for (const char* bad : {"", "{}", "[1]", R"([{"id": "a", "note": "x"}])"}) {
     EXPECT_FALSE(ParseTokenFile(bad, "tokens.json")) << bad;
   }
+}
+
+using ChangeTokenFileTest = FolderTest;
+
+TEST_F(ChangeTokenFileTest, ProcessesThatMeetWaitForEachOther) {
+  const std::string path = Path("tokens.json");
+  constexpr int kProcesses = 20;
+  std::vector<pid_t> children;
+  for (int i = 0; i < kProcesses; ++i) {
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      const auto token = MakeToken();
+      const auto append = [&](const std::optional<std::string>& text) -> Result<std::string> {
+        std::vector<TokenEntry> entries;
+        if (text) entries = ParseTokenFile(*text, path).value_or(entries);
+        entries.push_back({token->id, "ann", false, token->salt, token->sha256, {}, {}});
+        return FormatTokenFile(entries);
+      };
+      _exit(token && ChangeTokenFile(path, append) ? 0 : 1);
+    }
+    children.push_back(child);
+  }
+  for (const pid_t child : children) {
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_EQ(status, 0);
+  }
+  std::string text;
+  ASSERT_EQ(ReadWhole(path, text), 0);
+  const auto entries = ParseTokenFile(text, path);
+  ASSERT_TRUE(entries) << entries.error().message;
+  EXPECT_EQ(entries->size(), static_cast<std::size_t>(kProcesses));
+  // A change that fails changes nothing.
+  EXPECT_FALSE(ChangeTokenFile(path, [](const std::optional<std::string>&) -> Result<std::string> {
+    return Fail(FaultKind::kNotFound, "There is no such token.");
+  }));
+  std::string after;
+  EXPECT_EQ(ReadWhole(path, after), 0);
+  EXPECT_EQ(after, text);
 }
 
 }  // namespace
