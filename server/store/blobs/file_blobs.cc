@@ -136,7 +136,12 @@ Result<std::string> FileBlobStore::Get(const std::string& hash) {
   if (!IsHash(hash)) return Fail(LostBlob(hash, "missing"));
   File file;
   int error = OpenFile(PathOf(hash), O_RDONLY, file);
-  if (error == ENOENT && BringBack(hash) == 0) error = OpenFile(PathOf(hash), O_RDONLY, file);
+  if (error == ENOENT) {
+    // Whether we or another call brings it back; on a disk that is read-only it stays aside.
+    BringBack(hash);
+    error = OpenFile(PathOf(hash), O_RDONLY, file);
+    if (error == ENOENT) error = OpenFile(AsidePath() + "/" + hash, O_RDONLY, file);
+  }
   if (error == ENOENT || error == ENOTDIR) {
     // Without the folder of the store nothing is known about any blob.
     if (access(TmpPath().c_str(), F_OK) == 0) return Fail(LostBlob(hash, "missing"));
@@ -186,13 +191,10 @@ int FileBlobStore::Now(timespec& now) const {
 }
 
 // The files in a folder whose names begin with a digest.
-int FileBlobStore::List(const std::string& folder, std::chrono::seconds age,
+int FileBlobStore::List(const std::string& folder, const timespec& now, std::chrono::seconds age,
                         std::vector<Entry>& entries) const {
-  timespec now{};
   std::vector<std::string> names;
-  int error = Now(now);
-  if (error == 0) error = Names(folder, names);
-  if (error != 0) return error == ENOENT ? 0 : error;
+  if (const int error = Names(folder, names); error != 0) return error == ENOENT ? 0 : error;
   for (std::string& name : names) {
     std::string path = folder + "/" + name;
     struct stat info {};
@@ -205,7 +207,8 @@ int FileBlobStore::List(const std::string& folder, std::chrono::seconds age,
 }
 
 // The blobs that are in their places.
-int FileBlobStore::ListPlaces(std::chrono::seconds age, std::vector<Entry>& entries) const {
+int FileBlobStore::ListPlaces(const timespec& now, std::chrono::seconds age,
+                              std::vector<Entry>& entries) const {
   std::vector<std::string> outer;
   if (const int error = Names(root_, outer); error != 0) return error;
   for (const std::string& first : outer) {
@@ -214,7 +217,7 @@ int FileBlobStore::ListPlaces(std::chrono::seconds age, std::vector<Entry>& entr
     for (const std::string& second : inner) {
       if (!IsHex(second, 2)) continue;
       const std::string folder = root_ + "/" + first + "/" + second;
-      if (const int error = List(folder, age, entries); error != 0) return error;
+      if (const int error = List(folder, now, age, entries); error != 0) return error;
     }
   }
   std::erase_if(entries, [](const Entry& entry) { return !IsHash(entry.name); });
@@ -272,11 +275,13 @@ Result<SweepReport> FileBlobStore::Sweep(const std::set<std::string>& referenced
                                          const SweepRules& rules) {
   SweepReport report;
   std::vector<Entry> left, places, aside;
-  int error = List(TmpPath(), rules.age, left);
-  if (error == 0) error = ListPlaces(rules.age, places);
+  timespec now{};
+  int error = Now(now);
+  if (error == 0) error = List(TmpPath(), now, rules.age, left);
+  if (error == 0) error = ListPlaces(now, rules.age, places);
   if (error != 0) return Fail(UnavailableErrno(error));
   // One file that cannot be moved or removed does not keep the others.
-  const auto note = [&error](int now) { error = error == 0 ? now : error; };
+  const auto note = [&error](int another) { error = error == 0 ? another : error; };
   for (const Entry& entry : left) {
     if (entry.old) note(Remove(entry, rules.age, report));
   }
@@ -292,7 +297,9 @@ Result<SweepReport> FileBlobStore::Sweep(const std::set<std::string>& referenced
   } else {
     for (const Entry* entry : unnamed) note(SetAside(*entry, rules.age, report));
   }
-  note(List(AsidePath(), rules.aside, aside));
+  // Later than the times of those that were just set aside.
+  note(Now(now));
+  note(List(AsidePath(), now, rules.aside, aside));
   for (const Entry& entry : aside) {
     if (referenced.contains(entry.name)) {
       note(BringBack(entry.name));

@@ -63,8 +63,9 @@ class FileBlobStore final : public BlobStore {
   int Write(const std::string& hash, std::string_view bytes) const;
   int SyncNames(const std::string& hash) const;
   int Now(timespec& now) const;
-  int List(const std::string& folder, std::chrono::seconds age, std::vector<Entry>& entries) const;
-  int ListPlaces(std::chrono::seconds age, std::vector<Entry>& entries) const;
+  int List(const std::string& folder, const timespec& now, std::chrono::seconds age,
+           std::vector<Entry>& entries) const;
+  int ListPlaces(const timespec& now, std::chrono::seconds age, std::vector<Entry>& entries) const;
   int Remove(const Entry& entry, std::chrono::seconds age, SweepReport& report) const;
   int SetAside(const Entry& entry, std::chrono::seconds age, SweepReport& report) const;
   int BringBack(const std::string& hash) const;
