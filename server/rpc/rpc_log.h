@@ -32,8 +32,12 @@ class RpcLog {
   // What the call says of itself, before it is answered: the trace of W3C's traceparent, and
   // x-request-id, or an id of ours, which goes back to the caller under that name.
   void Named(grpc::CallbackServerContext& context);
-  // It is a stream or a track: how long it lives is counted apart from how long calls take.
-  void Lasts() { lasts_ = true; }
+  // The same for a stream or a track: how long these live is counted apart from how long calls
+  // take.
+  void NamedLasting(grpc::CallbackServerContext& context) {
+    lasts_ = true;
+    Named(context);
+  }
   // Who is calling, once that is known.
   void Owner(const std::string& owner);
   // The request is here: time counts from now.

@@ -90,8 +90,7 @@ class StreamReactor final
                  },
                  [this](double share) { engine_.admission.StaysAwake(this, share, Now()); }}),
         log_("StreamDeform", "", false, &engine.metrics) {
-    log_.Named(*context);
-    log_.Lasts();
+    log_.NamedLasting(*context);
     log_.Owner(caller_.owner);
   }
 

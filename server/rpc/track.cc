@@ -50,8 +50,7 @@ class TrackReactor final
         caller_(std::move(caller)),
         cancel_(CancelTokenOf(context)),
         log_("DeformTrack", "", false, &engine.metrics) {
-    log_.Named(*context);
-    log_.Lasts();
+    log_.NamedLasting(*context);
     log_.Owner(caller_.owner);
   }
 
