@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "arap/model/mesh.h"
 
 namespace arap::testing {

@@ -1,8 +1,42 @@
 #include "tests/system/fault/client.h"
 
+#include <utility>
+
 #include <poll.h>
 
 namespace arap::fault {
+namespace {
+
+// Adds the bearer token to every call: gRPC's own credentials want TLS for that.
+class Bearer final : public grpc::experimental::Interceptor {
+ public:
+  explicit Bearer(const std::string& header) : header_(header) {}
+  void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override {
+    using Point = grpc::experimental::InterceptionHookPoints;
+    if (methods->QueryInterceptionHookPoint(Point::PRE_SEND_INITIAL_METADATA)) {
+      methods->GetSendInitialMetadata()->insert({"authorization", header_});
+    }
+    methods->Proceed();
+  }
+
+ private:
+  const std::string& header_;
+};
+
+// Lives as long as its channel.
+class Tokens final : public grpc::experimental::ClientInterceptorFactoryInterface {
+ public:
+  explicit Tokens(const std::string& token) : header_("Bearer " + token) {}
+  grpc::experimental::Interceptor* CreateClientInterceptor(
+      grpc::experimental::ClientRpcInfo* /*info*/) override {
+    return new Bearer(header_);  // gRPC deletes it
+  }
+
+ private:
+  const std::string header_;
+};
+
+}  // namespace
 
 using Stub = v1::DeformationService::Stub;
 
@@ -10,12 +44,14 @@ void SetDeadline(grpc::ClientContext& context, std::chrono::milliseconds timeout
   context.set_deadline(std::chrono::system_clock::now() + timeout);
 }
 
-FaultClient::FaultClient(const std::string& address) {
+FaultClient::FaultClient(const std::string& address, const std::string& token) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(-1);
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  const auto channel =
-      grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>> tokens;
+  if (!token.empty()) tokens.push_back(std::make_unique<Tokens>(token));
+  const auto channel = grpc::experimental::CreateCustomChannelWithInterceptors(
+      address, grpc::InsecureChannelCredentials(), arguments, std::move(tokens));
   deformation_ = v1::DeformationService::NewStub(channel);
   flattening_ = v1::FlatteningService::NewStub(channel);
   server_ = v1::ServerService::NewStub(channel);

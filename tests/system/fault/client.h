@@ -24,7 +24,8 @@ void SetDeadline(grpc::ClientContext& context,
 // Thread-safe as stubs are. Clients do not share connections.
 class FaultClient {
  public:
-  explicit FaultClient(const std::string& address);
+  // Every call carries the token, unless it is empty.
+  explicit FaultClient(const std::string& address, const std::string& token = {});
 
   v1::DeformationService::Stub& deformation() { return *deformation_; }
   v1::FlatteningService::Stub& flattening() { return *flattening_; }

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cerrno>
-#include <utility>
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -105,7 +104,8 @@ std::string Frame(std::uint8_t type, std::uint8_t flags, std::uint32_t stream,
   return frame += payload;
 }
 
-std::string OpenCall(std::uint32_t stream, std::string_view path) {
+std::string OpenCall(std::uint32_t stream, std::string_view path,
+                     const std::vector<std::pair<std::string, std::string>>& more) {
   constexpr std::uint8_t kEndHeaders = 4;
   std::string block;
   AppendHeader(":method", "POST", block);
@@ -114,6 +114,7 @@ std::string OpenCall(std::uint32_t stream, std::string_view path) {
   AppendHeader(":authority", "localhost", block);
   AppendHeader("te", "trailers", block);
   AppendHeader("content-type", "application/grpc", block);
+  for (const auto& [name, value] : more) AppendHeader(name, value, block);
   return Frame(kHeaders, kEndHeaders, stream, block);
 }
 

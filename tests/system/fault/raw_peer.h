@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace arap::fault {
 
@@ -37,8 +39,9 @@ std::string Preface();
 std::string Frame(std::uint8_t type, std::uint8_t flags, std::uint32_t stream,
                   std::string_view payload);
 // HEADERS that open a gRPC call of `path` on `stream` (odd, growing), without the end of the
-// stream.
-std::string OpenCall(std::uint32_t stream, std::string_view path);
+// stream. `more` headers have names and values shorter than 127 bytes.
+std::string OpenCall(std::uint32_t stream, std::string_view path,
+                     const std::vector<std::pair<std::string, std::string>>& more = {});
 // DATA with the prefix of a gRPC message that claims `length` bytes, then `payload`.
 std::string Message(std::uint32_t stream, std::uint32_t length, std::string_view payload);
 

@@ -21,11 +21,11 @@ std::string InFolder(std::string text, const std::string& folder) {
 }  // namespace
 
 ServerProcess::ServerProcess(std::vector<std::string> flags, std::string listen)
-    : flags_(std::move(flags)), listen_(std::move(listen)) {}
+    : program_(ARAPD), flags_(std::move(flags)), listen_(std::move(listen)) {}
 
 std::vector<std::string> ServerProcess::Words() const {
   std::vector<std::string> words = command_;
-  words.insert(words.end(), {ARAPD, "--listen", InFolder(listen_, folder_.path())});
+  words.insert(words.end(), {program_, "--listen", InFolder(listen_, folder_.path())});
   // Unless the test says otherwise. Not in the state directory of whoever runs it; and a machine
   // that is busy with other tests makes frames slow, for which no stream is to be refused.
   for (const auto& [flag, value] :

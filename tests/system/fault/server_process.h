@@ -75,6 +75,8 @@ class ServerProcess : public ChildProcess {
 
   // Starts it with this command in front: "prlimit --nofile=200".
   void Under(std::vector<std::string> command) { command_ = std::move(command); }
+  // From the next start on it is this program and not the arapd of this build.
+  void UseProgram(std::string path) { program_ = std::move(path); }
 
   // Starts it and waits until it listens: false with a failure of the test, and the server's log in
   // it, when it does not within half a minute.
@@ -92,6 +94,7 @@ class ServerProcess : public ChildProcess {
 
   TempFolder folder_;
   std::vector<std::string> command_;
+  std::string program_;
   std::vector<std::string> flags_;
   std::string listen_;
   std::string address_;
