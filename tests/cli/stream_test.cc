@@ -11,7 +11,7 @@ namespace {
 using client::DeformStream;
 using client::Delivery;
 using client::StreamEvent;
-using testing::SizeIs;
+using ::testing::SizeIs;
 
 class Stream : public ServerTest {
  protected:
