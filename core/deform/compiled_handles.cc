@@ -33,7 +33,7 @@ Status Extend(CompiledHandlesParts& parts, const std::vector<Handle>& add,
               const CancelToken& cancel) {
   CHECK_OK(CheckIds(parts.handles, add));
   const RegisteredMeshParts& mesh = parts.mesh->parts();
-  TRY(auto placements, PlaceHandles(mesh, add, cancel));
+  TRY(auto placements, PlaceHandles(mesh, add, parts.rows.size(), cancel));
   for (Placement& placement : placements) {
     for (Row& row : placement.rows) {
       row.handle = static_cast<std::uint32_t>(parts.handles.size());
@@ -42,6 +42,9 @@ Status Extend(CompiledHandlesParts& parts, const std::vector<Handle>& add,
     parts.handles.push_back(std::move(placement.placed));
   }
   parts.index = HandleIndex(parts.handles);
+  parts.count = {};
+  for (const Row& row : parts.rows) CountRow(row, parts.count);
+  for (const PlacedHandle& h : parts.handles) parts.count.depths += h.handle.depth != 0 ? 1u : 0u;
   TRY(parts.roles, DecideRoles(mesh.components.size(), parts.rows, cancel));
   TRY(parts.depths, ComputeDepths(mesh, parts.handles, cancel));
   const bool direct = FactorsDirectly(parts.rows.size(), parts.choice);

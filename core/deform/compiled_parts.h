@@ -73,6 +73,7 @@ struct CompiledHandlesParts {
   std::vector<PlacedHandle> handles;
   HandleIndex index;      // of the handles
   std::vector<Row> rows;  // by handle
+  RowCount count;
   Roles roles;
   std::vector<double> depths;  // #V, or empty: see VertexDepths
 

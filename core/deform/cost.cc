@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_set>
+#include <set>
+#include <string_view>
 
-#include "core/base/try.h"
 #include "core/deform/compiled_parts.h"
 #include "core/deform/registered_parts.h"
 
@@ -12,25 +12,39 @@ namespace arap {
 namespace {
 
 // What was measured, in milliseconds per vertex, byte or row; docs/operations.md says where.
-constexpr double kValidateVertex = 4e-3;  // validation, topology, cells, matrices
-constexpr double kFactorVertex = 5.5e-6;  // both factorisations, per n^1.5
-constexpr double kSolveByte = 0.35e-6;    // one pass over a factor, a few columns
-constexpr double kSparseSolveByte = 0.5e-6;
-constexpr double kStepVertex = 60e-6;     // a rigid step beside its solve
-constexpr double kFrameVertex = 50e-6;    // targets, step 1 beside its rows, measures
-constexpr double kColumnNumber = 0.5e-6;  // a number of a response, added to a shape
-constexpr double kRow = 60e-6;            // a row of a frame: its target, its error
-constexpr double kDepthVertex = 1.5e-6;   // a vertex in the cone of one handle
-constexpr double kBoxTriangle = 12e-6;    // a triangle put into boxes
-constexpr double kPick = 2e-3;
-constexpr double kDenseOperation = 0.5e-6;  // of a factorisation of a dense matrix
+constexpr double kSolveByte = 0.35e-6;     // one pass over a factor that no cache holds
+constexpr double kResponseByte = 0.09e-6;  // a sparse right-hand side among others, both factors
+constexpr double kStepVertex = 45e-6;      // a rigid step beside its solve
+constexpr double kFrameVertex = 40e-6;     // targets, step 1 beside its rows, measures
+constexpr double kColumnNumber = 0.5e-6;   // a number of a response, added to a shape
+constexpr double kRow = 60e-6;             // a row of a frame: its target, its error
+constexpr double kDepthVertex = 2e-6;      // a vertex in the cone of one handle
+constexpr double kBoxTriangle = 20e-6;     // a triangle put into boxes
+constexpr double kPick = 1.4e-3;
+constexpr double kDenseOperation = 0.15e-6;  // of a factorisation of a dense matrix, cubed
+constexpr double kDirect = 0.85;            // of a registration: mesh and handles factored together
+constexpr std::size_t kSmallest = 200'000;  // bytes of a registration of almost nothing
+constexpr double kCache = 6e6;              // bytes of a factor that are near the processor
 
-void Count(const Row& row, RowCount& count) {
-  ++count.rows;
-  if (row.compliance == 0 && row.single_vertex() == kNone) ++count.inside;
+// Registration of n vertices: n·(vertex + root·√n) ms, n·(bytes + logarithm·log2 n) bytes.
+struct MeshCost {
+  double vertex, root, bytes, logarithm;
+
+  double milliseconds(double n) const { return n * (vertex + root * std::sqrt(n)); }
+  double peak(double n) const { return n * (bytes + logarithm * std::log2(n + 2)); }
+};
+MeshCost CostsOf(Basis basis) {
+  switch (basis) {
+    case Basis::kFace:
+      return {6.2e-3, 0.02e-3, 900, 85};
+    case Basis::kVertex:
+      return {9e-3, 0.07e-3, 2500, 122};
+    case Basis::kEdge:
+    case Basis::kEdgeAsPublished:
+      break;
+  }
+  return {10e-3, 0.05e-3, 1700, 122};
 }
-
-double Cube(std::size_t n) { return std::pow(static_cast<double>(n), 3); }
 
 struct Sizes {
   double vertices, triangles, similarity, rigid;  // the last two in bytes of the factors
@@ -42,30 +56,35 @@ Sizes SizesOf(const RegisteredMesh& mesh) {
           static_cast<double>(parts.rigid->bytes())};
 }
 
-// Factors and tables of a mesh, without the peak on the way.
-double RegistrationPeak(double n) { return n * (700 + 130 * std::log2(n + 2)); }
+// What reading a factor costs beside doing so from memory.
+double FromCache(double bytes) { return 0.4 + 0.6 * std::min(1.0, bytes / kCache); }
+
+double SolveMilliseconds(double bytes) { return kSolveByte * bytes * FromCache(bytes); }
 
 // Of a set with `rows`, of which `solved` are new and need their responses.
 Cost CostOfRows(const RegisteredMesh& mesh, const RowCount& rows, std::size_t solved,
                 bool factors) {
   const Sizes size = SizesOf(mesh);
+  const double factors_bytes = size.similarity + size.rigid;
+  const double response = kResponseByte * factors_bytes * FromCache(factors_bytes / 3);
   Cost cost;
   cost.milliseconds = 0.1 + kBoxTriangle * size.triangles + kRow * static_cast<double>(rows.rows) +
                       kDepthVertex * size.vertices * static_cast<double>(rows.depths);
-  double bytes = static_cast<double>(rows.rows) * 2 * sizeof(Row) + 2 * 8 * size.vertices;
+  double bytes = static_cast<double>(rows.rows) * 2 * sizeof(Row);
+  if (rows.depths > 0) bytes += 8 * size.vertices;
   if (factors) {
-    const double k = static_cast<double>(rows.inside);
-    cost.milliseconds += kValidateVertex / 2 * size.vertices +
-                         kFactorVertex * std::pow(size.vertices, 1.5) +
-                         k * kSparseSolveByte * (size.similarity + size.rigid) +
-                         kDenseOperation * 5 * Cube(rows.inside);
-    bytes += RegistrationPeak(size.vertices) + k * k * 5 * sizeof(double);
+    const auto k = static_cast<double>(rows.inside);
+    const MeshCost costs = CostsOf(mesh.options().basis);
+    // Vertices that are held are no unknowns.
+    const double held = std::min(static_cast<double>(rows.held), size.vertices);
+    cost.milliseconds += kDirect * costs.milliseconds(size.vertices - held / 2) +
+                         1.3 * k * response + 5 * kDenseOperation * k * k * k;
+    bytes += costs.peak(size.vertices - held) + 150 * held + 5 * k * k * sizeof(double);
   } else {
-    const double k = static_cast<double>(rows.rows), added = static_cast<double>(solved);
-    cost.milliseconds += added * (kSparseSolveByte * (size.similarity + size.rigid) / 2 +
-                                  3 * kColumnNumber * size.vertices) +
-                         kDenseOperation * 5 * k * k * k;
-    bytes += added * 3 * sizeof(double) * size.vertices + 7 * 8 * size.vertices * 4 +
+    const auto k = static_cast<double>(rows.rows), added = static_cast<double>(solved);
+    cost.milliseconds += (added + 0.7) * (response + 3 * kColumnNumber * size.vertices) +
+                         5 * kDenseOperation * k * k * k;
+    bytes += added * 3 * sizeof(double) * size.vertices + 160 * size.vertices +
              k * k * 6 * sizeof(double);
   }
   cost.bytes = static_cast<std::size_t>(bytes);
@@ -74,29 +93,13 @@ Cost CostOfRows(const RegisteredMesh& mesh, const RowCount& rows, std::size_t so
 
 }  // namespace
 
-Cost EstimateRegistration(std::size_t vertices, Basis) {
+Cost EstimateRegistration(std::size_t vertices, Basis basis) {
   const auto n = static_cast<double>(vertices);
-  return {0.1 + kValidateVertex * n + kFactorVertex * std::pow(n, 1.5),
-          static_cast<std::size_t>(RegistrationPeak(n))};
+  const MeshCost costs = CostsOf(basis);
+  return {0.1 + costs.milliseconds(n), kSmallest + static_cast<std::size_t>(costs.peak(n))};
 }
 
-Result<RowCount> CountRows(const RegisteredMesh& mesh, const std::vector<Handle>& handles,
-                           const CancelToken& cancel) {
-  TRY(const auto placements, PlaceHandles(mesh.parts(), handles, cancel));
-  RowCount count;
-  for (const Placement& placement : placements) {
-    for (const Row& row : placement.rows) Count(row, count);
-    if (placement.placed.handle.depth != 0) ++count.depths;
-  }
-  return count;
-}
-
-RowCount CountRows(const CompiledHandles& handles) {
-  RowCount count;
-  for (const Row& row : handles.parts().rows) Count(row, count);
-  for (const PlacedHandle& h : handles.handles()) count.depths += h.handle.depth != 0 ? 1u : 0u;
-  return count;
-}
+const RowCount& CountRows(const CompiledHandles& handles) { return handles.parts().count; }
 
 Cost EstimateCompilation(const RegisteredMesh& mesh, const RowCount& rows) {
   return CostOfRows(mesh, rows, rows.rows, FactorsDirectly(rows.rows, HandleSolver::kAuto));
@@ -105,17 +108,19 @@ Cost EstimateCompilation(const RegisteredMesh& mesh, const RowCount& rows) {
 EditCost EstimateEdit(const CompiledHandles& handles, std::span<const std::string> remove,
                       const RowCount& added) {
   const CompiledHandlesParts& set = handles.parts();
-  std::unordered_set<std::size_t> removed;
-  for (const std::string& id : remove) {
-    if (const auto index = handles.Find(id)) removed.insert(*index);
+  RowCount gone;
+  const std::set<std::string_view> ids(remove.begin(), remove.end());
+  for (const std::string_view id : ids) {
+    const auto index = handles.Find(id);
+    if (!index) continue;
+    if (set.handles[*index].handle.depth != 0) ++gone.depths;
+    const auto of_handle =
+        std::ranges::equal_range(set.rows, static_cast<std::uint32_t>(*index), {}, &Row::handle);
+    for (const Row& row : of_handle) CountRow(row, gone);
   }
-  RowCount after = added;
-  for (const Row& row : set.rows) {
-    if (!removed.contains(row.handle)) Count(row, after);
-  }
-  for (std::size_t h = 0; h < set.handles.size(); ++h) {
-    if (set.handles[h].handle.depth != 0 && !removed.contains(h)) ++after.depths;
-  }
+  const RowCount after{
+      set.count.rows - gone.rows + added.rows, set.count.inside - gone.inside + added.inside,
+      set.count.held - gone.held + added.held, set.count.depths - gone.depths + added.depths};
   // A set that was factored directly has no responses of the rows that stay.
   const std::size_t solved = set.responses ? added.rows : after.rows;
   const bool factors = FactorsDirectly(after.rows, set.choice);
@@ -130,11 +135,10 @@ Cost EstimateFrame(const CompiledHandles& handles, const DeformOptions& options,
   double steps = options.mode == DeformMode::kSimilarity ? 0 : 1;
   if (options.mode == DeformMode::kRigid) steps += options.refine;
   // Per step and for step 1: solves, and columns that are added to the shape.
-  double solve1 = 0, solve2 = kSolveByte * size.rigid, column1 = 0, column2 = 0;
+  double solve1 = 0, solve2 = SolveMilliseconds(size.rigid), column1 = 0, column2 = 0;
   if (handles.direct()) {
-    const RowCount count = CountRows(handles);
-    const double times = count.inside > 0 ? 2 : 1;
-    solve1 = times * kSolveByte * size.similarity;
+    const double times = set.count.inside > 0 ? 2 : 1;
+    solve1 = times * SolveMilliseconds(size.similarity);
     solve2 *= times;
   } else {
     column1 = 4 * rows * kColumnNumber * size.vertices;

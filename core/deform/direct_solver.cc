@@ -8,6 +8,9 @@
 namespace arap {
 namespace {
 
+// Columns solved together: as many as the factors take at once, and few to be cancelled between.
+constexpr Eigen::Index kSolvedTogether = 4;
+
 double MatrixWeight(const Row& row) { return row.compliance == 0 ? 1 : 1 / row.compliance; }
 
 // `lower` + Σ weight · rowᵀ row over the rows that are not `left_out`, lower triangle.
@@ -103,22 +106,30 @@ Status DirectSolver::FactorStep(const Eigen::SparseMatrix<Scalar>& mesh_matrix,
 template <class Scalar>
 Status DirectSolver::MakeSchur(const CancelToken& cancel, Step<Scalar>& step) const {
   const auto k = static_cast<Eigen::Index>(inside_.size());
+  const std::size_t n = mesh_->rest.size();
   Workspace workspace;
-  std::vector<Scalar> right(mesh_->rest.size());
+  std::vector<Scalar> right;
   typename Saddle<Scalar>::Matrix cz(k, k);
-  for (Eigen::Index j = 0; j < k; ++j) {
+  for (Eigen::Index begin = 0; begin < k; begin += kSolvedTogether) {
     CHECK_OK(cancel.Check());
-    const Row& row = rows_[inside_[static_cast<std::size_t>(j)]];
-    std::fill(right.begin(), right.end(), Scalar(0));
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (!held_[row.vertex[c]]) right[row.vertex[c]] += row.weight[c];
-    }
-    TRY(const auto z, step.factor->Solve(right, 1, workspace));
-    for (Eigen::Index i = 0; i < k; ++i) {
-      const Row& other = rows_[inside_[static_cast<std::size_t>(i)]];
-      cz(i, j) = Scalar(0);
+    const auto count = static_cast<std::size_t>(std::min(kSolvedTogether, k - begin));
+    right.assign(n * count, Scalar(0));
+    for (std::size_t j = 0; j < count; ++j) {
+      const Row& row = rows_[inside_[static_cast<std::size_t>(begin) + j]];
       for (std::size_t c = 0; c < 3; ++c) {
-        if (!held_[other.vertex[c]]) cz(i, j) += other.weight[c] * z[other.vertex[c]];
+        if (!held_[row.vertex[c]]) right[j * n + row.vertex[c]] += row.weight[c];
+      }
+    }
+    TRY(const auto solved, step.factor->Solve(right, count, workspace));
+    for (std::size_t j = 0; j < count; ++j) {
+      const std::span<const Scalar> z = solved.subspan(j * n, n);
+      for (Eigen::Index i = 0; i < k; ++i) {
+        const Row& row = rows_[inside_[static_cast<std::size_t>(i)]];
+        Scalar sum(0);
+        for (std::size_t c = 0; c < 3; ++c) {
+          if (!held_[row.vertex[c]]) sum += row.weight[c] * z[row.vertex[c]];
+        }
+        cz(i, begin + static_cast<Eigen::Index>(j)) = sum;
       }
     }
   }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "arap/core/cost.h"
 #include "core/base/try.h"
 #include "core/mesh/plane.h"
 #include "core/mesh/triangle_boxes.h"
@@ -59,35 +60,48 @@ class Placer {
  public:
   explicit Placer(const RegisteredMeshParts& mesh) : mesh_(mesh) {}
 
-  Result<Placement> Place(const Handle& handle, std::size_t index) {
+  // Where a handle is, and the vertices that it holds if it is oriented or has an area.
+  struct Found {
+    Seat seat;
+    Complex rest;
+    std::vector<std::uint32_t> held;
+  };
+  Result<Found> Find(const Handle& handle, std::size_t index) {
     CHECK_OK(CheckHandle(handle, index));
-    TRY(const Seat seat,
-        std::visit([&](const auto& anchor) { return SitOn(anchor, handle, index); },
-                   handle.anchor));
-    const Triangle& corners = mesh_.mesh.triangles[seat.triangle];
-    Complex rest = 0;
-    for (std::size_t k = 0; k < 3; ++k) rest += seat.barycentric[k] * mesh_.rest[corners[k]];
-
-    Placement placement;
+    Found found;
+    TRY(found.seat, std::visit([&](const auto& anchor) { return SitOn(anchor, handle, index); },
+                               handle.anchor));
+    const Triangle& corners = mesh_.mesh.triangles[found.seat.triangle];
+    for (std::size_t k = 0; k < 3; ++k) {
+      found.rest += found.seat.barycentric[k] * mesh_.rest[corners[k]];
+    }
     if (handle.oriented || handle.area_radius > 0) {
       const double radius = handle.area_radius / mesh_.report.diagonal;
-      for (const std::uint32_t v : HeldVertices(seat.triangle, rest, radius)) {
-        placement.rows.push_back({0, {v, v, v}, {1, 0, 0}, mesh_.rest[v], {}, 0, 0});
-      }
-    } else {
-      placement.rows.push_back({0, corners, seat.barycentric, rest, {}, 0, 0});
+      found.held = HeldVertices(found.seat.triangle, found.rest, radius);
+    }
+    return found;
+  }
+
+  Placement PlacementOf(const Handle& handle, const Found& found) const {
+    const Triangle& corners = mesh_.mesh.triangles[found.seat.triangle];
+    Placement placement;
+    for (const std::uint32_t v : found.held) {
+      placement.rows.push_back({0, {v, v, v}, {1, 0, 0}, mesh_.rest[v], {}, 0, 0});
+    }
+    if (found.held.empty()) {
+      placement.rows.push_back({0, corners, found.seat.barycentric, found.rest, {}, 0, 0});
     }
     const std::uint32_t component = mesh_.topology.vertex_component[corners[0]];
     for (Row& row : placement.rows) {
-      row.offset = row.rest - rest;
+      row.offset = row.rest - found.rest;
       row.compliance = handle.hard ? 0 : 1 / handle.weight;
       row.component = component;
     }
     // A vertex answers with its own coordinates to the last bit.
     const auto* on_vertex = std::get_if<VertexAnchor>(&handle.anchor);
     const Complex shown = on_vertex ? mesh_.mesh.vertices[on_vertex->vertex]
-                                    : mesh_.origin + mesh_.report.diagonal * rest;
-    placement.placed = {handle, shown, seat.snapped * mesh_.report.diagonal, component};
+                                    : mesh_.origin + mesh_.report.diagonal * found.rest;
+    placement.placed = {handle, shown, found.seat.snapped * mesh_.report.diagonal, component};
     return placement;
   }
 
@@ -223,19 +237,68 @@ class Placer {
   std::optional<TriangleBoxes> boxes_;         // from the first that needs them on
 };
 
+// Calls visit(handle, found) for every handle in turn, while there is room for their rows beside
+// `kept` others.
+template <class Visit>
+Status ForEachFound(Placer& placer, const RegisteredMeshParts& mesh,
+                    std::span<const Handle> handles, std::size_t kept, const CancelToken& cancel,
+                    Visit visit) {
+  const std::size_t limit = MostRows(mesh.rest.size());
+  std::size_t rows = kept;
+  for (std::size_t i = 0; i < handles.size(); ++i) {
+    CHECK_OK(cancel.Check());
+    TRY(const auto found, placer.Find(handles[i], i));
+    rows += std::max<std::size_t>(found.held.size(), 1);
+    if (rows > limit) {
+      const std::string field = fmt::format("handles[{}].area_radius", i);
+      return Fail(
+          Bad(FaultKind::kTooManyHandles, field, i,
+              fmt::format("With handle \"{}\" the set has {} constraint rows, more than the {} "
+                          "that this mesh may have: areas overlap too much.",
+                          handles[i].id, rows, limit))
+              .Detail("count", rows)
+              .Detail("limit", limit));
+    }
+    visit(handles[i], found);
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::vector<Placement>> PlaceHandles(const RegisteredMeshParts& mesh,
-                                            std::span<const Handle> handles,
+                                            std::span<const Handle> handles, std::size_t kept,
                                             const CancelToken& cancel) {
   Placer placer(mesh);
   std::vector<Placement> placements;
   placements.reserve(handles.size());
-  for (std::size_t i = 0; i < handles.size(); ++i) {
-    CHECK_OK(cancel.Check());
-    TRY(placements.emplace_back(), placer.Place(handles[i], i));
-  }
+  CHECK_OK(ForEachFound(placer, mesh, handles, kept, cancel,
+                        [&](const Handle& handle, const Placer::Found& found) {
+                          placements.push_back(placer.PlacementOf(handle, found));
+                        }));
   return placements;
+}
+
+void CountRow(const Row& row, RowCount& count) {
+  ++count.rows;
+  if (row.compliance == 0) ++(row.single_vertex() == kNone ? count.inside : count.held);
+}
+
+Result<RowCount> CountRows(const RegisteredMesh& mesh, std::span<const Handle> handles,
+                           const CancelToken& cancel) {
+  Placer placer(mesh.parts());
+  RowCount count;
+  CHECK_OK(ForEachFound(placer, mesh.parts(), handles, 0, cancel,
+                        [&](const Handle& handle, const Placer::Found& found) {
+                          if (handle.depth != 0) ++count.depths;
+                          if (found.held.empty()) {
+                            CountRow(placer.PlacementOf(handle, found).rows[0], count);
+                          } else {
+                            count.rows += found.held.size();
+                            if (handle.hard) count.held += found.held.size();
+                          }
+                        }));
+  return count;
 }
 
 }  // namespace arap

@@ -8,6 +8,7 @@
 
 #include "arap/base/cancel.h"
 #include "arap/base/result.h"
+#include "arap/core/cost.h"
 #include "arap/model/handle.h"
 #include "core/deform/registered_parts.h"
 
@@ -43,10 +44,14 @@ struct Placement {
 
 // Finds the handles on the mesh, in their order. The first that is not acceptable is the fault,
 // with the field "handles[i]…" and its number: kInvalidOption, kIndexOutOfRange, kHandleOutside
-// (detail "distance"); that of `cancel`, asked handle by handle. O(#F) for all together, and O(#E) for
+// (detail "distance"); kTooManyHandles when they have, with `kept` other rows, more than MostRows of
+// the mesh; that of `cancel`, asked handle by handle. O(#F) for all together, and O(#E) for
 // every one that is snapped.
 Result<std::vector<Placement>> PlaceHandles(const RegisteredMeshParts& mesh,
-                                            std::span<const Handle> handles,
+                                            std::span<const Handle> handles, std::size_t kept,
                                             const CancelToken& cancel);
+
+// Counts a row under what it costs.
+void CountRow(const Row& row, RowCount& count);
 
 }  // namespace arap

@@ -46,6 +46,22 @@ void UseOneBlasThread() {
   });
 }
 
+// While it lives numbers below 1e-308 are 0. The processor takes far longer for them, and a firm soft
+// area makes many: the factorisation would take twice its time.
+class NoDenormals {
+#if defined(__x86_64__) && defined(__GNUC__)
+ public:
+  NoDenormals() { __builtin_ia32_ldmxcsr(before_ | kFlushToZero | kDenormalsAreZero); }
+  ~NoDenormals() { __builtin_ia32_ldmxcsr(before_); }
+  NoDenormals(const NoDenormals&) = delete;
+  NoDenormals& operator=(const NoDenormals&) = delete;
+
+ private:
+  static constexpr unsigned kFlushToZero = 0x8000, kDenormalsAreZero = 0x40;
+  const unsigned before_ = __builtin_ia32_stmxcsr();
+#endif
+};
+
 template <class Scalar>
 constexpr int kXtype = CHOLMOD_REAL;
 template <>
@@ -261,7 +277,10 @@ Status Factor<Scalar>::Again(const Eigen::SparseMatrix<Scalar>& lower) {
   CpuTimer timer;
   cholmod_common* common = data_->common.get();
   cholmod_sparse matrix = View(lower);
-  cholmod_factorize(&matrix, data_->factor, common);
+  {
+    [[maybe_unused]] const NoDenormals none;
+    cholmod_factorize(&matrix, data_->factor, common);
+  }
   times_.numbers = timer.Lap();
   if (common->status != CHOLMOD_OK || data_->factor->minor != matrix.nrow ||
       !HasPositivePivots(*data_->factor)) {

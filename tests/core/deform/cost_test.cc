@@ -28,13 +28,35 @@ TEST(CostTest, CountsTheRowsThatCompilationMakes) {
   EXPECT_EQ(outside.error().kind, FaultKind::kHandleOutside);
 }
 
+TEST(CostTest, AreasThatOverlapTooMuchAreRefusedBeforeTheirRowsAreMade) {
+  const PlanarMesh mesh = JitteredGrid(60, 60, 3);
+  const auto registered = Register(mesh);
+  std::vector<Handle> handles;
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    handles.push_back(OnVertex("h" + std::to_string(i), i));
+    handles.back().area_radius = 1000;
+  }
+  const std::size_t last = MostRows(mesh.vertices.size()) / mesh.vertices.size();
+  ASSERT_LT(last, handles.size());
+  const auto counted = CountRows(*registered, handles);
+  const auto compiled = CompiledHandles::Compile(registered, handles);
+  ASSERT_FALSE(counted.has_value() || compiled.has_value());
+  for (const Fault& fault : {counted.error(), compiled.error()}) {
+    EXPECT_EQ(fault.kind, FaultKind::kTooManyHandles);
+    EXPECT_EQ(fault.field, "handles[" + std::to_string(last) + "].area_radius");
+    EXPECT_EQ(DetailOf(fault, "limit"), std::to_string(MostRows(mesh.vertices.size())));
+  }
+  handles.resize(last);
+  EXPECT_EQ(Must(CountRows(*registered, handles)).rows, last * mesh.vertices.size());
+}
+
 TEST(CostTest, SaysWhetherAnEditFactors) {
   const PlanarMesh mesh = JitteredGrid(20, 15, 4);
   const auto registered = Register(mesh);
   const auto handles = RandomHandles(mesh, kDirectRows + 4, 5);
   const auto few = Compile(registered, {handles.begin(), handles.begin() + kDirectRows});
   const auto many = Compile(registered, handles);
-  const RowCount one{1, 0, 0}, none{};
+  const RowCount one{1, 0, 0, 0}, none{};
   const std::vector<std::string> five{"h0", "h1", "h2", "h3", "h4"}, unknown{"nobody"};
 
   EXPECT_FALSE(EstimateEdit(*few, five, one).factors);

@@ -32,6 +32,10 @@ enum class HandleSolver {
 // are cheaper that way; docs/algorithm.md, section 2, has the measurement.
 inline constexpr std::size_t kDirectRows = 96;
 
+// The most constraint rows that a set on a mesh of so many vertices may have: only areas that overlap
+// many times have more.
+constexpr std::size_t MostRows(std::size_t vertices) { return 16 * vertices + 100'000; }
+
 // Immutable, safe to share between threads. Keeps its mesh alive.
 //
 // A handle has one constraint row; an oriented one has the three of its triangle, an area handle
@@ -44,7 +48,7 @@ class CompiledHandles {
   // Faults, with the field "handles[i]…" and the number of the handle in `Fault::elements`:
   //   kDuplicateHandle; kIndexOutOfRange for a vertex or triangle that the mesh has not;
   //   kHandleOutside for a position outside the mesh (detail "distance") or a vertex without a
-  //   triangle; kInvalidOption for a number out of its bounds; kNumerical; kOutOfMemory; whatever `cancel`
+  //   triangle; kInvalidOption for a number out of its bounds; kTooManyHandles beyond MostRows; kNumerical; kOutOfMemory; whatever `cancel`
   //   answers between blocks of rows.
   static Result<std::shared_ptr<const CompiledHandles>> Compile(
       std::shared_ptr<const RegisteredMesh> mesh, const std::vector<Handle>& handles,

@@ -28,6 +28,7 @@ struct Cost {
 struct RowCount {
   std::size_t rows = 0;    // all
   std::size_t inside = 0;  // the hard ones inside triangles
+  std::size_t held = 0;    // the hard ones on a single vertex
   std::size_t depths = 0;  // handles with a depth
 
   bool operator==(const RowCount&) const = default;
@@ -37,10 +38,11 @@ struct RowCount {
 Cost EstimateRegistration(std::size_t vertices, Basis basis);
 
 // Finds the handles on the mesh, as CompiledHandles::Compile does first, and counts their rows.
-// O(#F) and the rows. Faults: those of Compile but for kDuplicateHandle and kNumerical.
-Result<RowCount> CountRows(const RegisteredMesh& mesh, const std::vector<Handle>& handles,
+// O(#F) and the rows, which are not kept. Faults: those of Compile but for kDuplicateHandle and
+// kNumerical.
+Result<RowCount> CountRows(const RegisteredMesh& mesh, std::span<const Handle> handles,
                            const CancelToken& cancel = {});
-RowCount CountRows(const CompiledHandles& handles);
+const RowCount& CountRows(const CompiledHandles& handles);
 
 // CompiledHandles::Compile of handles with so many rows.
 Cost EstimateCompilation(const RegisteredMesh& mesh, const RowCount& rows);
