@@ -157,23 +157,28 @@ bool WorkerPool::AwaitFreeThread(std::chrono::milliseconds patience) const {
 }
 
 std::optional<WorkerPool::Queue::Entry> WorkerPool::NextLocked(Worker& worker) {
-  while (HasPlaceLocked()) {
-    auto next = queue_.Pop();
+  while (true) {
+    std::optional<Queue::Entry> next;
+    Place place = Place::kAny;
+    if (HasPlaceLocked()) {
+      next = queue_.Pop();
+    } else if (!queue_.empty() && HasShortPlaceLocked()) {
+      place = Place::kShort;
+      next = queue_.Pop(options_.short_seconds);
+    }
     if (!next) return std::nullopt;
     ++running_;
-    worker.place = Place::kAny;
+    if (place == Place::kShort) ++running_short_;
     Aside* aside = next->item.aside;
-    if (aside == nullptr) return next;
+    if (aside == nullptr) {
+      worker.place = place;
+      return next;
+    }
+    // Its own thread goes on with it; this one looks for more.
+    aside->place = place;
     aside->go = true;
     aside->turn.Signal();
   }
-  if (queue_.empty() || !HasShortPlaceLocked()) return std::nullopt;
-  auto next = queue_.Pop(options_.short_seconds);
-  if (!next) return std::nullopt;
-  ++running_;
-  ++running_short_;
-  worker.place = Place::kShort;
-  return next;
 }
 
 std::optional<WorkerPool::Queue::Entry> WorkerPool::Take(Worker& worker) {
@@ -249,7 +254,7 @@ void WorkerPool::TakeTurns(Worker& worker) {
   queue_.Push({worker.share, worker.since, {nullptr, &aside}}, false);
   wake_.Signal();
   while (!aside.go) aside.turn.Wait(&mutex_);
-  worker.place = Place::kAny;
+  worker.place = aside.place;
   worker.paid += Queue::Paid(worker.share);
   worker.turn = worker.clock = steady_clock::now();
   jobs_[worker.thread] = Running{worker.turn, worker.share.seconds};

@@ -102,10 +102,12 @@ class WorkerPool {
  private:
   friend void GiveWay();
   using Time = std::chrono::steady_clock::time_point;
+  enum class Place { kAny, kShort };
   // A job that stands aside in its thread.
   struct Aside {
     CondVar turn;
     bool go = false;
+    Place place = Place::kAny;  // that it goes on in
   };
   struct Posted {
     Job job;
@@ -116,7 +118,6 @@ class WorkerPool {
     Time since;
     double seconds = 0;  // that it is expected to take
   };
-  enum class Place { kAny, kShort };
   struct Worker;
 
   bool Post(Job job, Share share, bool counted);
