@@ -212,9 +212,12 @@ std::size_t PreparedSurface::bytes() const {
   return bytes;
 }
 
-Result<std::shared_ptr<const PreparedSurface>> Prepare(SurfaceMesh mesh, const CutOptions& cut,
-                                                       const MeshLimits& limits,
-                                                       const CancelToken& cancel) {
+namespace {
+
+Result<std::shared_ptr<const PreparedSurface>> PrepareSurface(SurfaceMesh mesh,
+                                                              const CutOptions& cut,
+                                                              const MeshLimits& limits,
+                                                              const CancelToken& cancel) {
   const std::size_t vertices = mesh.vertices.size();
   TRY(auto surface, CutToCharts(std::move(mesh), cut, limits, cancel));
   TRY(auto charts, MakeCharts(surface, cancel));
@@ -222,13 +225,9 @@ Result<std::shared_ptr<const PreparedSurface>> Prepare(SurfaceMesh mesh, const C
       std::move(surface), vertices, std::move(charts), kKeptFactors));
 }
 
-Result<Flattening> Flatten(const PreparedSurface& surface, const FlattenOptions& options,
-                           const CancelToken& cancel, PinSolver solver) {
-  return FlattenPrepared(surface.parts(), options, cancel, solver);
-}
-
-Result<Flattening> Flatten(SurfaceMesh mesh, const FlattenOptions& options,
-                           const MeshLimits& limits, const CancelToken& cancel, PinSolver solver) {
+Result<Flattening> FlattenAtOnce(SurfaceMesh mesh, const FlattenOptions& options,
+                                 const MeshLimits& limits, const CancelToken& cancel,
+                                 PinSolver solver) {
   CHECK_OK(CheckFlattenOptions(options, mesh.triangles.size()));
   CpuTimer timer;
   const std::size_t vertices = mesh.vertices.size();
@@ -240,6 +239,25 @@ Result<Flattening> Flatten(SurfaceMesh mesh, const FlattenOptions& options,
   TRY(auto flat, FlattenPrepared(prepared, options, cancel, solver));
   flat.times.topology = topology;
   return flat;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const PreparedSurface>> Prepare(SurfaceMesh mesh, const CutOptions& cut,
+                                                       const MeshLimits& limits,
+                                                       const CancelToken& cancel) {
+  return OrOutOfMemory([&] { return PrepareSurface(std::move(mesh), cut, limits, cancel); });
+}
+
+Result<Flattening> Flatten(const PreparedSurface& surface, const FlattenOptions& options,
+                           const CancelToken& cancel, PinSolver solver) {
+  return OrOutOfMemory([&] { return FlattenPrepared(surface.parts(), options, cancel, solver); });
+}
+
+Result<Flattening> Flatten(SurfaceMesh mesh, const FlattenOptions& options,
+                           const MeshLimits& limits, const CancelToken& cancel, PinSolver solver) {
+  return OrOutOfMemory(
+      [&] { return FlattenAtOnce(std::move(mesh), options, limits, cancel, solver); });
 }
 
 }  // namespace arap

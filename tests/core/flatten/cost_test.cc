@@ -1,5 +1,6 @@
 // What a flattening is said to take, and what it takes.
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <optional>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include <gtest/gtest.h>
 #include <malloc.h>
+#include <sys/resource.h>
 
 #include "tests/core/flatten/fixture.h"
 
@@ -136,6 +138,29 @@ TEST(FlattenCostTest, SaysTheMemoryWithinAThird) {
       const double taken = ResidentBytes("VmHWM:").value_or(0) - *before;
       EXPECT_LT(taken, 1.3 * said + 2 * kMegabyte) << name << ", " << mesh.triangles.size();
       EXPECT_LT(said, 1.3 * taken + 3 * kMegabyte) << name << ", " << mesh.triangles.size();
+    }
+  }
+}
+
+// In a process of its own, with so much room beyond what it has.
+TEST(FlattenMemoryDeathTest, MemoryThatRunsOutIsAFault) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "A sanitizer needs memory of its own.";
+#endif
+  for (const double megabytes : {8, 25, 60}) {
+    for (const FlattenOptions& options : {ArapOptions(), AbfOptions()}) {
+      const auto flatten = [&] {
+        const SurfaceMesh mesh = Sheet(300, 0);
+        // What BLAS takes once is taken.
+        bool good = Flatten(Sheet(40, 0), options).has_value();
+        const auto room =
+            static_cast<rlim_t>(ResidentBytes("VmSize:").value_or(0) + megabytes * kMegabyte);
+        const rlimit limit{room, room};
+        good = good && setrlimit(RLIMIT_AS, &limit) == 0;
+        const auto flat = Flatten(mesh, options);
+        std::exit(good && !flat && flat.error().kind == FaultKind::kOutOfMemory ? 0 : 1);
+      };
+      EXPECT_EXIT(flatten(), ::testing::ExitedWithCode(0), "") << megabytes;
     }
   }
 }

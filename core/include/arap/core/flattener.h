@@ -37,8 +37,8 @@ Status CheckFlattenOptions(const FlattenOptions& options, std::size_t triangles)
 // Stateless, thread-safe. `limits` bound the input. Faults, in this order: those of
 // CheckFlattenOptions; those of CutToCharts; for pins and grain lines that do not fit the surface
 // kIndexOutOfRange and kInvalidOption (fields "pins[i]…" and "grain_lines[i]…"); kNotInjective;
-// kNumerical; and whatever `cancel` answers between the phases and in the long loops. Unreferenced
-// vertices get the uv (0, 0) and a warning.
+// kNumerical; kOutOfMemory; and whatever `cancel` answers between the phases and in the long loops.
+// Unreferenced vertices get the uv (0, 0) and a warning.
 Result<Flattening> Flatten(SurfaceMesh mesh, const FlattenOptions& options,
                            const MeshLimits& limits = {}, const CancelToken& cancel = {},
                            PinSolver solver = PinSolver::kAuto);
@@ -67,7 +67,7 @@ class PreparedSurface {
   std::unique_ptr<const PreparedSurfaceParts> parts_;
 };
 
-// Faults: those of CutToCharts.
+// Faults: those of CutToCharts, kOutOfMemory.
 Result<std::shared_ptr<const PreparedSurface>> Prepare(SurfaceMesh mesh, const CutOptions& cut,
                                                        const MeshLimits& limits = {},
                                                        const CancelToken& cancel = {});
