@@ -28,6 +28,9 @@ std::uint64_t CookieOf(int descriptor) {
   return getsockopt(descriptor, SOL_SOCKET, SO_COOKIE, &cookie, &size) == 0 ? cookie : 0;
 }
 
+// What HTTP/2 lets a client send of a request before the server says more.
+constexpr std::uint64_t kWindow = 65'535;
+
 // All that has come in on a TCP connection.
 std::uint64_t BytesOf(int descriptor) {
   tcp_info info{};
@@ -131,7 +134,9 @@ Result<Connections::Entry> Connections::Receive(std::string_view peer, Told late
   if (const auto found = connections_.find(peer); found != connections_.end()) {
     Connection& connection = found->second;
     if (connection.receiving++ == 0) {
-      connection.bytes_before = BytesOf(connection.descriptor);
+      // What came right before the call was known here may be of its request.
+      const std::uint64_t now = BytesOf(connection.descriptor);
+      connection.bytes_before = now - std::min(now - std::min(now, connection.bytes_seen), kWindow);
       connection.bytes_complete = 0;
     }
   }
@@ -166,6 +171,9 @@ void Connections::EndReceiving(const Watched& watched, std::size_t bytes) {
   if (found == connections_.end() || found->second.receiving == 0) return;
   --found->second.receiving;
   found->second.bytes_complete += bytes;
+  if (found->second.receiving == 0) {
+    found->second.bytes_seen = BytesOf(found->second.descriptor);
+  }
 }
 
 Connections::Table::iterator Connections::Forget(Table::iterator connection) {

@@ -118,6 +118,7 @@ class Connections {
     std::size_t receiving = 0;
     std::uint64_t bytes_before = 0;
     std::uint64_t bytes_complete = 0;
+    std::uint64_t bytes_seen = 0;  // of the socket when the last of them ended
   };
   using Table = std::map<std::string, Connection, std::less<>>;  // by peer
   struct Watched {

@@ -392,7 +392,7 @@ grpc::ServerBidiReactor<v1::StreamDeformRequest, v1::StreamDeformResponse>* Stre
     app::Engine& engine, const Identity& identity, grpc::CallbackServerContext* context) {
   auto caller = CallerOf(*context, identity);
   const auto reactor =
-      std::make_shared<StreamReactor>(engine, context, caller.value_or(app::Caller{}));
+      std::make_shared<StreamReactor>(engine, context, caller.value_or(app::Caller{"", {}, {}}));
   reactor->Start(identity, caller ? Status() : Fail(std::move(caller.error())));
   return reactor.get();
 }

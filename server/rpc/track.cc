@@ -332,7 +332,7 @@ grpc::ServerBidiReactor<v1::DeformTrackRequest, v1::DeformTrackResponse>* Deform
     app::Engine& engine, const Identity& identity, grpc::CallbackServerContext* context) {
   auto caller = CallerOf(*context, identity);
   const auto reactor =
-      std::make_shared<TrackReactor>(engine, context, caller.value_or(app::Caller{}));
+      std::make_shared<TrackReactor>(engine, context, caller.value_or(app::Caller{"", {}, {}}));
   reactor->Start(*context, identity, caller ? Status() : Fail(std::move(caller.error())));
   return reactor.get();
 }
