@@ -65,16 +65,16 @@ TEST_F(CancelledWorkTest, ARegistrationLeavesNothing) {
   Caller small = ann_;
   // Of the mesh, beside the session's record before and after.
   small.limits.max_bytes = EstimateRegistration(Mesh().vertices.size(), Basis::kEdge).bytes + 1'024;
-  const std::size_t places = CancelEverywhere(
-      [&](const CancelToken& token) { return Register(small, token); },
-      [&] {
-        EXPECT_EQ(engine_.derived.bytes() - engine_.sessions.bytes(), 0u);
-        EXPECT_EQ(engine_.derived.bytes_of("ann") - engine_.sessions.bytes(), 0u);
-        EXPECT_TRUE(engine_.sessions.View("ann", "s")->mesh_ids.empty());
-        EXPECT_TRUE(engine_.stores.specs->ReferencedBlobs()->empty());
-        EXPECT_EQ(engine_.keeper.Collect({seconds(0), seconds(0)})->removed, 0u)
-            << "a blob without a record";
-      });
+  const std::size_t places =
+      CancelEverywhere([&](const CancelToken& token) { return Register(small, token); },
+                       [&] {
+                         EXPECT_EQ(engine_.derived.bytes() - engine_.sessions.bytes(), 0u);
+                         EXPECT_EQ(engine_.derived.bytes_of("ann") - engine_.sessions.bytes(), 0u);
+                         EXPECT_TRUE(engine_.sessions.View("ann", "s")->mesh_ids.empty());
+                         EXPECT_TRUE(engine_.stores.specs->ReferencedBlobs()->empty());
+                         EXPECT_EQ(engine_.keeper.Collect({seconds(0), seconds(0)})->removed, 0u)
+                             << "a blob without a record";
+                       });
   EXPECT_GE(places, 3u) << "before, between and after the factorisations";
   EXPECT_EQ(engine_.derived.entries(DerivedKind::kMesh), 1u);
   EXPECT_EQ(engine_.sessions.View("ann", "s")->mesh_ids.size(), 1u);
