@@ -3,15 +3,16 @@
 #include <array>
 #include <cstdint>
 #include <random>
-#include <string_view>
+#include <span>
 #include <utility>
 
 #include "client/src/channel.h"
 #include "client/src/convert.h"
+#include "core/base/names.h"
 #include "core/base/try.h"
 #include "proto/convert/flatten.h"
 #include "proto/convert/mesh.h"
-#include "proto/convert/time.h"
+#include "proto/convert/plain.h"
 
 namespace arap::client {
 
@@ -22,14 +23,11 @@ namespace {
 
 // 128 random bits in hexadecimal, from the system's generator: the id is all that keeps others out.
 std::string NewSessionId() {
-  constexpr std::string_view kDigits = "0123456789abcdef";
   std::random_device random;
-  std::string id;
-  for (int word = 0; word < 4; ++word) {
-    std::uint32_t bits = random();
-    for (int digit = 0; digit < 8; ++digit, bits >>= 4) id.push_back(kDigits[bits & 15]);
-  }
-  return id;
+  std::array<std::uint32_t, 4> bits;
+  for (std::uint32_t& word : bits) word = random();
+  const auto bytes = std::as_bytes(std::span(bits));
+  return Hex({reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace

@@ -5,12 +5,11 @@
 #include "arap/v1/deformation_service.pb.h"
 #include "arap/v1/server_service.pb.h"
 #include "core/base/try.h"
-#include "proto/convert/arrays.h"
 #include "proto/convert/handles.h"
 #include "proto/convert/limits.h"
 #include "proto/convert/mesh.h"
+#include "proto/convert/plain.h"
 #include "proto/convert/shape.h"
-#include "proto/convert/time.h"
 
 namespace arap::client::internal {
 void ToWire(const ShapeOptions& options, v1::DeformOptions* out) {
@@ -19,12 +18,12 @@ void ToWire(const ShapeOptions& options, v1::DeformOptions* out) {
   out->set_include_flipped_ids(options.flipped_ids);
 }
 
-Result<MeshInfo> FromWire(const v1::MeshInfo& mesh) {
+MeshInfo FromWire(const v1::MeshInfo& mesh) {
   MeshInfo out;
   out.id = mesh.mesh_id();
   out.content_hash = mesh.content_hash();
   out.report = convert::ReportFromWire(mesh);
-  TRY(out.energy, convert::FromWire(mesh.energy(), EnergyOptions{}));
+  if (auto energy = convert::FromWire(mesh.energy(), EnergyOptions{})) out.energy = *energy;
   return out;
 }
 

@@ -18,8 +18,7 @@ namespace arap::client::internal {
 
 void ToWire(const ShapeOptions& options, v1::DeformOptions* out);
 
-// kInvalidOption for options that this version does not know.
-Result<MeshInfo> FromWire(const v1::MeshInfo& mesh);
+MeshInfo FromWire(const v1::MeshInfo& mesh);
 HandleSetInfo FromWire(const v1::HandleSetInfo& set);
 // kInternal for positions of a wrong length.
 Result<Shape> FromWire(const v1::Shape& shape);

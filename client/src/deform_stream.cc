@@ -5,8 +5,8 @@
 #include "arap/client/session.h"
 #include "client/src/convert.h"
 #include "client/src/deform_stream_impl.h"
-#include "proto/convert/arrays.h"
 #include "proto/convert/handles.h"
+#include "proto/convert/plain.h"
 
 namespace arap::client {
 

@@ -5,10 +5,9 @@
 #include "client/src/channel.h"
 #include "client/src/convert.h"
 #include "core/base/try.h"
-#include "proto/convert/arrays.h"
 #include "proto/convert/handles.h"
 #include "proto/convert/mesh.h"
-#include "proto/convert/time.h"
+#include "proto/convert/plain.h"
 
 namespace arap::client {
 
@@ -55,8 +54,7 @@ Result<Registration> Session::RegisterMesh(const PlanarMesh& mesh, const EnergyO
   ToWire(energy, request.mutable_energy());
   TRY(const v1::RegisterMeshResponse response,
       Call(channel_->deformation(), &Stub::RegisterMesh, request, call, id_));
-  TRY(MeshInfo info, FromWire(response.mesh()));
-  return Registration{std::move(info), response.shared(), convert::Micros(response.queue_time()),
+  return Registration{FromWire(response.mesh()), response.shared(), convert::Micros(response.queue_time()),
                       convert::Micros(response.solve_time())};
 }
 

@@ -24,8 +24,7 @@ bool IsName(std::string_view name) {
 Status CheckName(std::string_view name, std::string field) {
   if (IsName(name)) return {};
   return Fail(Fault(FaultKind::kInvalidName,
-                    fmt::format("{} is {}, but an id is 1 to {} characters of [A-Za-z0-9._-].",
-                                field, Quote(name), kMaxNameLength))
+                    fmt::format("{} is {}, but an id is {}.", field, Quote(name), kNameRule))
                   .Field(field)
                   .Detail("length", name.size()));
 }

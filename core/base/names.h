@@ -13,11 +13,13 @@
 namespace arap {
 
 inline constexpr std::size_t kMaxNameLength = 128;
+// The rule in words, for messages.
+inline constexpr std::string_view kNameRule = "1 to 128 characters of [A-Za-z0-9._-]";
 
 // The owner of callers without an identity, on servers that require none. No token can name it.
 inline constexpr const char* kNobody = "anonymous";
 
-// 1 to 128 characters of [A-Za-z0-9._-].
+// Whether it is as kNameRule says.
 bool IsName(std::string_view name);
 
 // kInvalidName with the request field `field` unless IsName.

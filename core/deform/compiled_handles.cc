@@ -14,26 +14,28 @@
 namespace arap {
 namespace {
 
-Status CheckIds(const std::vector<PlacedHandle>& kept, const std::vector<Handle>& added) {
+Status CheckIds(const std::vector<PlacedHandle>& kept, const std::vector<Handle>& added,
+                std::string_view array) {
   std::unordered_set<std::string_view> ids;
   for (const PlacedHandle& h : kept) ids.insert(h.handle.id);
   for (std::size_t i = 0; i < added.size(); ++i) {
     if (ids.insert(added[i].id).second) continue;
     return Fail(Fault(FaultKind::kDuplicateHandle,
                       fmt::format("Two handles have the id \"{}\".", added[i].id))
-                    .Field(fmt::format("handles[{}].handle_id", i))
+                    .Field(fmt::format("{}[{}].handle_id", array, i))
                     .Element(static_cast<std::uint32_t>(i))
                     .Detail("handle_id", added[i].id));
   }
   return {};
 }
 
-// `parts` comes with the kept handles, rows and their columns; adds the rest and decides all anew.
-Status Extend(CompiledHandlesParts& parts, const std::vector<Handle>& add,
+// `parts` comes with the kept handles, rows and their columns; adds the rest, which the caller calls
+// `array`, and decides all anew.
+Status Extend(CompiledHandlesParts& parts, const std::vector<Handle>& add, std::string_view array,
               const CancelToken& cancel) {
-  CHECK_OK(CheckIds(parts.handles, add));
+  CHECK_OK(CheckIds(parts.handles, add, array));
   const RegisteredMeshParts& mesh = parts.mesh->parts();
-  TRY(auto placements, PlaceHandles(mesh, add, parts.rows.size(), cancel));
+  TRY(auto placements, PlaceHandles(mesh, add, array, parts.rows.size(), cancel));
   for (Placement& placement : placements) {
     for (Row& row : placement.rows) {
       row.handle = static_cast<std::uint32_t>(parts.handles.size());
@@ -100,7 +102,7 @@ Result<std::shared_ptr<const CompiledHandles>> CompiledHandles::Compile(
   auto parts = std::make_unique<CompiledHandlesParts>();
   parts->mesh = std::move(mesh);
   parts->choice = solver;
-  CHECK_OK(OrOutOfMemory([&] { return Extend(*parts, handles, cancel); }));
+  CHECK_OK(OrOutOfMemory([&] { return Extend(*parts, handles, "handles", cancel); }));
   return std::shared_ptr<const CompiledHandles>(new CompiledHandles(std::move(parts)));
 }
 
@@ -118,7 +120,7 @@ Result<std::shared_ptr<const CompiledHandles>> CompiledHandles::Edit(
     removed[*index] = true;
   }
   auto parts = Without(*parts_, removed);
-  CHECK_OK(OrOutOfMemory([&] { return Extend(*parts, add, cancel); }));
+  CHECK_OK(OrOutOfMemory([&] { return Extend(*parts, add, "add", cancel); }));
   return std::shared_ptr<const CompiledHandles>(new CompiledHandles(std::move(parts)));
 }
 

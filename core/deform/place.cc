@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -18,26 +20,66 @@ namespace {
 constexpr double kBarycentricTolerance = 1e-6;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Fault Bad(FaultKind kind, const std::string& field, std::size_t index, std::string sentence) {
-  return Fault(kind, std::move(sentence)).Field(field).Element(static_cast<std::uint32_t>(index));
+// A handle with its place in the request, for faults: "handles[3]", "add[0]".
+struct Named {
+  const Handle& handle;
+  std::string_view array;
+  std::size_t index;
+
+  std::string Field(std::string_view part = {}) const {
+    return fmt::format("{}[{}]{}{}", array, index, part.empty() ? "" : ".", part);
+  }
+  Fault Bad(FaultKind kind, std::string field, std::string sentence) const {
+    return Fault(kind, std::move(sentence))
+        .Field(std::move(field))
+        .Element(static_cast<std::uint32_t>(index));
+  }
+  // Finite and from `low` to `high`, infinite where there is no such bound.
+  Status CheckRange(std::string_view part, double value, double low, double high) const {
+    if (std::isfinite(value) && value >= low && value <= high) return {};
+    std::string sentence = fmt::format("{} is {}, but must be finite", Field(part), value);
+    if (std::isfinite(low)) sentence += fmt::format(", at least {}", low);
+    if (std::isfinite(high)) sentence += fmt::format(", at most {}", high);
+    return Fail(Bad(FaultKind::kInvalidOption, Field(part), sentence + ".").Detail("value", value));
+  }
+};
+
+Status CheckAnchor(const VertexAnchor&, const Named&) { return {}; }
+
+Status CheckAnchor(const TriangleAnchor& anchor, const Named& named) {
+  const std::string field = named.Field("triangle_point.barycentric");
+  double sum = 0;
+  for (const double x : anchor.barycentric) {
+    // Written so that NaN fails too.
+    if (!(x >= -kBarycentricTolerance && x <= 1 + kBarycentricTolerance)) {
+      return Fail(named
+                      .Bad(FaultKind::kInvalidOption, field,
+                           fmt::format("{} has the weight {}, not between 0 and 1.", field, x))
+                      .Detail("value", x));
+    }
+    sum += x;
+  }
+  if (std::abs(sum - 1) <= kBarycentricTolerance) return {};
+  return Fail(
+      named
+          .Bad(FaultKind::kInvalidOption, field,
+               fmt::format("{} sums to {}, not to 1 within {}.", field, sum, kBarycentricTolerance))
+          .Detail("value", sum));
 }
 
-// Finite and from `low` to `high`, infinite where there is no such bound.
-Status CheckRange(double value, double low, double high, std::size_t index, const char* part) {
-  if (std::isfinite(value) && value >= low && value <= high) return {};
-  const std::string field = fmt::format("handles[{}].{}", index, part);
-  std::string sentence = fmt::format("{} is {}, but must be finite", field, value);
-  if (std::isfinite(low)) sentence += fmt::format(", at least {}", low);
-  if (std::isfinite(high)) sentence += fmt::format(", at most {}", high);
-  return Fail(Bad(FaultKind::kInvalidOption, field, index, sentence + ".").Detail("value", value));
+Status CheckAnchor(const PointAnchor& anchor, const Named& named) {
+  CHECK_OK(named.CheckRange("position.x", anchor.position.real(), -kInfinity, kInfinity));
+  return named.CheckRange("position.y", anchor.position.imag(), -kInfinity, kInfinity);
 }
 
-Status CheckHandle(const Handle& h, std::size_t index) {
-  constexpr double kMost = Handle::kMaxDepth;
-  CHECK_OK(CheckRange(h.weight, Handle::kMinWeight, Handle::kMaxWeight, index, "weight"));
-  CHECK_OK(CheckRange(h.area_radius, 0, kInfinity, index, "area_radius"));
-  CHECK_OK(CheckRange(h.depth, -kMost, kMost, index, "depth"));
-  return CheckRange(h.depth_falloff, 0, kInfinity, index, "depth_falloff");
+// What needs no mesh.
+Status CheckHandle(const Named& named) {
+  const Handle& h = named.handle;
+  CHECK_OK(std::visit([&](const auto& anchor) { return CheckAnchor(anchor, named); }, h.anchor));
+  CHECK_OK(named.CheckRange("weight", h.weight, Handle::kMinWeight, Handle::kMaxWeight));
+  CHECK_OK(named.CheckRange("area_radius", h.area_radius, 0, kInfinity));
+  CHECK_OK(named.CheckRange("depth", h.depth, -Handle::kMaxDepth, Handle::kMaxDepth));
+  return named.CheckRange("depth_falloff", h.depth_falloff, 0, kInfinity);
 }
 
 // Where a handle sits; on a vertex one weight is 1.
@@ -47,11 +89,11 @@ struct Seat {
   double snapped = 0;  // normalised
 };
 
-Fault OutOfRange(const char* what, std::uint32_t id, std::size_t count, const Handle& handle,
-                 std::size_t index) {
-  return Bad(FaultKind::kIndexOutOfRange, fmt::format("handles[{}]", index), index,
-             fmt::format("Handle \"{}\" is on {} {}, but the mesh has {}.", handle.id, what, id,
-                         count))
+Fault OutOfRange(const char* what, std::uint32_t id, std::size_t count, const Named& named) {
+  return named
+      .Bad(FaultKind::kIndexOutOfRange, named.Field(),
+           fmt::format("Handle \"{}\" is on {} {}, but the mesh has {}.", named.handle.id, what, id,
+                       count))
       .Detail(what, id)
       .Detail("count", count);
 }
@@ -66,11 +108,12 @@ class Placer {
     Complex rest;
     std::vector<std::uint32_t> held;
   };
-  Result<Found> Find(const Handle& handle, std::size_t index) {
-    CHECK_OK(CheckHandle(handle, index));
+  Result<Found> Find(const Named& named) {
+    CHECK_OK(CheckHandle(named));
+    const Handle& handle = named.handle;
     Found found;
-    TRY(found.seat, std::visit([&](const auto& anchor) { return SitOn(anchor, handle, index); },
-                               handle.anchor));
+    TRY(found.seat,
+        std::visit([&](const auto& anchor) { return SitOn(anchor, named); }, handle.anchor));
     const Triangle& corners = mesh_.mesh.triangles[found.seat.triangle];
     for (std::size_t k = 0; k < 3; ++k) {
       found.rest += found.seat.barycentric[k] * mesh_.rest[corners[k]];
@@ -107,19 +150,21 @@ class Placer {
 
  private:
   // The seat on the first triangle of the vertex.
-  Result<Seat> SitOn(const VertexAnchor& anchor, const Handle& handle, std::size_t index) {
+  Result<Seat> SitOn(const VertexAnchor& anchor, const Named& named) {
     const std::uint32_t vertex = anchor.vertex;
     const auto& triangles = mesh_.mesh.triangles;
     if (vertex >= mesh_.rest.size()) {
-      return Fail(OutOfRange("vertex", vertex, mesh_.rest.size(), handle, index));
+      return Fail(OutOfRange("vertex", vertex, mesh_.rest.size(), named));
     }
     Seat seat;
     seat.triangle = FirstTriangle(vertex);
     if (seat.triangle == kNone) {
-      return Fail(Bad(FaultKind::kHandleOutside, fmt::format("handles[{}].vertex", index), index,
-                      fmt::format("Handle \"{}\" is on vertex {}, which belongs to no triangle.",
-                                  handle.id, vertex))
-                      .Detail("vertex", vertex));
+      return Fail(
+          named
+              .Bad(FaultKind::kHandleOutside, named.Field("vertex"),
+                   fmt::format("Handle \"{}\" is on vertex {}, which belongs to no triangle.",
+                               named.handle.id, vertex))
+              .Detail("vertex", vertex));
     }
     for (std::size_t k = 0; k < 3; ++k) {
       if (triangles[seat.triangle][k] == vertex) seat.barycentric[k] = 1;
@@ -127,53 +172,37 @@ class Placer {
     return seat;
   }
 
-  Result<Seat> SitOn(const TriangleAnchor& anchor, const Handle& handle, std::size_t index) {
+  Result<Seat> SitOn(const TriangleAnchor& anchor, const Named& named) {
     const std::size_t count = mesh_.mesh.triangles.size();
     if (anchor.triangle >= count) {
-      return Fail(OutOfRange("triangle", anchor.triangle, count, handle, index));
+      return Fail(OutOfRange("triangle", anchor.triangle, count, named));
     }
-    const std::string field = fmt::format("handles[{}].triangle_point.barycentric", index);
     std::array<double, 3> b = anchor.barycentric;
-    double sum = 0;
-    for (const double x : b) {
-      // Written so that NaN fails too.
-      if (!(x >= -kBarycentricTolerance && x <= 1 + kBarycentricTolerance)) {
-        return Fail(Bad(FaultKind::kInvalidOption, field, index,
-                        fmt::format("{} has the weight {}, not between 0 and 1.", field, x))
-                        .Detail("value", x));
-      }
-      sum += x;
-    }
-    if (std::abs(sum - 1) > kBarycentricTolerance) {
-      return Fail(
-          Bad(FaultKind::kInvalidOption, field, index,
-              fmt::format("{} sums to {}, not to 1 within {}.", field, sum, kBarycentricTolerance))
-              .Detail("value", sum));
-    }
+    const double sum = b[0] + b[1] + b[2];
     // Exactly 1, or a rigid motion far from the origin would not be exact.
     for (double& x : b) x = x / sum;
     if (mesh_.turned[anchor.triangle]) std::swap(b[1], b[2]);
     return Seat{anchor.triangle, b, 0};
   }
 
-  Result<Seat> SitOn(const PointAnchor& anchor, const Handle& handle, std::size_t index) {
-    CHECK_OK(CheckRange(anchor.position.real(), -kInfinity, kInfinity, index, "position.x"));
-    CHECK_OK(CheckRange(anchor.position.imag(), -kInfinity, kInfinity, index, "position.y"));
-    const std::string field = fmt::format("handles[{}].position", index);
+  Result<Seat> SitOn(const PointAnchor& anchor, const Named& named) {
+    const std::string field = named.Field("position");
     const Complex p = mesh_.Normalise(anchor.position);
     if (!std::isfinite(p.real()) || !std::isfinite(p.imag())) {
-      return Fail(Bad(FaultKind::kInvalidOption, field, index,
-                      fmt::format("{} is too far away for this mesh.", field)));
+      return Fail(named.Bad(FaultKind::kInvalidOption, field,
+                            fmt::format("{} is too far away for this mesh.", field)));
     }
     if (const auto found = LowestAt(p)) return Seat{found->triangle, found->barycentric, 0};
     const Located near = NearestOnBoundary(mesh_.rest, mesh_.mesh.triangles, mesh_.topology, p);
-    if (handle.outside == Outside::kSnap) {
+    if (named.handle.outside == Outside::kSnap) {
       return Seat{near.triangle, near.barycentric, near.distance};
     }
     const double distance = near.distance * mesh_.report.diagonal;
-    return Fail(Bad(FaultKind::kHandleOutside, field, index,
-                    fmt::format("Handle \"{}\" at ({}, {}) lies outside the mesh by {}.", handle.id,
-                                anchor.position.real(), anchor.position.imag(), distance))
+    return Fail(named
+                    .Bad(FaultKind::kHandleOutside, field,
+                         fmt::format("Handle \"{}\" at ({}, {}) lies outside the mesh by {}.",
+                                     named.handle.id, anchor.position.real(),
+                                     anchor.position.imag(), distance))
                     .Detail("distance", distance));
   }
 
@@ -241,21 +270,23 @@ class Placer {
 // `kept` others.
 template <class Visit>
 Status ForEachFound(Placer& placer, const RegisteredMeshParts& mesh,
-                    std::span<const Handle> handles, std::size_t kept, const CancelToken& cancel,
-                    Visit visit) {
+                    std::span<const Handle> handles, std::string_view array, std::size_t kept,
+                    const CancelToken& cancel, Visit visit) {
   const std::size_t limit = MostRows(mesh.rest.size());
   std::size_t rows = kept;
   for (std::size_t i = 0; i < handles.size(); ++i) {
     CHECK_OK(cancel.Check());
-    TRY(const auto found, placer.Find(handles[i], i));
+    const Named named{handles[i], array, i};
+    TRY(const auto found, placer.Find(named));
     rows += std::max<std::size_t>(found.held.size(), 1);
     if (rows > limit) {
-      const std::string field = fmt::format("handles[{}].area_radius", i);
       return Fail(
-          Bad(FaultKind::kTooManyHandles, field, i,
-              fmt::format("With handle \"{}\" the set has {} constraint rows, more than the {} "
-                          "that this mesh may have: areas overlap too much.",
-                          handles[i].id, rows, limit))
+          named
+              .Bad(
+                  FaultKind::kTooManyHandles, named.Field("area_radius"),
+                  fmt::format("With handle \"{}\" the set has {} constraint rows, more than the {} "
+                              "that this mesh may have: areas overlap too much.",
+                              handles[i].id, rows, limit))
               .Detail("count", rows)
               .Detail("limit", limit));
     }
@@ -267,12 +298,12 @@ Status ForEachFound(Placer& placer, const RegisteredMeshParts& mesh,
 }  // namespace
 
 Result<std::vector<Placement>> PlaceHandles(const RegisteredMeshParts& mesh,
-                                            std::span<const Handle> handles, std::size_t kept,
-                                            const CancelToken& cancel) {
+                                            std::span<const Handle> handles, std::string_view array,
+                                            std::size_t kept, const CancelToken& cancel) {
   Placer placer(mesh);
   std::vector<Placement> placements;
   placements.reserve(handles.size());
-  CHECK_OK(ForEachFound(placer, mesh, handles, kept, cancel,
+  CHECK_OK(ForEachFound(placer, mesh, handles, array, kept, cancel,
                         [&](const Handle& handle, const Placer::Found& found) {
                           placements.push_back(placer.PlacementOf(handle, found));
                         }));
@@ -288,7 +319,7 @@ Result<RowCount> CountRows(const RegisteredMesh& mesh, std::span<const Handle> h
                            const CancelToken& cancel) {
   Placer placer(mesh.parts());
   RowCount count;
-  CHECK_OK(ForEachFound(placer, mesh.parts(), handles, 0, cancel,
+  CHECK_OK(ForEachFound(placer, mesh.parts(), handles, "handles", 0, cancel,
                         [&](const Handle& handle, const Placer::Found& found) {
                           if (handle.depth != 0) ++count.depths;
                           if (found.held.empty()) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "arap/base/cancel.h"
@@ -43,13 +44,13 @@ struct Placement {
 };
 
 // Finds the handles on the mesh, in their order. The first that is not acceptable is the fault,
-// with the field "handles[i]…" and its number: kInvalidOption, kIndexOutOfRange, kHandleOutside
+// with the field "array[i]…" and its number: kInvalidOption, kIndexOutOfRange, kHandleOutside
 // (detail "distance"); kTooManyHandles when they have, with `kept` other rows, more than MostRows of
 // the mesh; that of `cancel`, asked handle by handle. O(#F) for all together, and O(#E) for
 // every one that is snapped.
 Result<std::vector<Placement>> PlaceHandles(const RegisteredMeshParts& mesh,
-                                            std::span<const Handle> handles, std::size_t kept,
-                                            const CancelToken& cancel);
+                                            std::span<const Handle> handles, std::string_view array,
+                                            std::size_t kept, const CancelToken& cancel);
 
 // Counts a row under what it costs.
 void CountRow(const Row& row, RowCount& count);

@@ -122,6 +122,10 @@ RegisteredMesh::RegisteredMesh(std::unique_ptr<const RegisteredMeshParts> parts)
     : parts_(std::move(parts)) {}
 RegisteredMesh::~RegisteredMesh() = default;
 
+Status RegisteredMesh::CheckOptions(const EnergyOptions& options, std::size_t triangles) {
+  return CheckEnergyOptions(options, triangles);
+}
+
 Result<std::shared_ptr<const RegisteredMesh>> RegisteredMesh::Register(PlanarMesh mesh,
                                                                        const EnergyOptions& options,
                                                                        const MeshLimits& limits,

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "arap/core/deformer.h"
+#include "core/base/names.h"
 #include "core/base/try.h"
 
 namespace arap {
@@ -15,28 +17,28 @@ bool IsGood(const Target& t) {
          std::isfinite(t.angle) && t.scale >= 0 && t.scale <= Target::kMaxScale;
 }
 
-// Of the target of the handle with the number `h`, which is not good.
-Fault WhatIsWrong(const Target& t, std::size_t h, const std::string& id) {
-  const auto fault = [&](FaultKind kind, const char* part, double value, const std::string& what) {
-    const std::string field = fmt::format("targets[{}].{}", h, part);
-    return Fault(kind, fmt::format("{} of handle \"{}\" is {}.", field, id, what))
+}  // namespace
+
+Status CheckTarget(const Target& t, std::string_view array, std::size_t index,
+                   std::string_view handle_id) {
+  if (IsGood(t)) return {};
+  const auto bad = [&](FaultKind kind, const char* part, double value, const std::string& what) {
+    const std::string field = fmt::format("{}[{}].{}", array, index, part);
+    return Fault(kind, fmt::format("{} of handle {} is {}.", field, Quote(handle_id), what))
         .Field(field)
-        .Element(static_cast<std::uint32_t>(h))
-        .Detail("handle_id", id)
+        .Detail("handle_id", std::string(handle_id))
         .Detail("value", value);
   };
-  using enum FaultKind;
   for (const auto& [part, value] :
        {std::pair("x", t.position.real()), std::pair("y", t.position.imag()),
         std::pair("angle_radians", t.angle), std::pair("scale", t.scale)}) {
-    if (!std::isfinite(value)) return fault(kNonFiniteTarget, part, value, "not finite");
+    if (std::isfinite(value)) continue;
+    return Fail(bad(FaultKind::kNonFiniteTarget, part, value, "not finite"));
   }
-  return fault(kInvalidOption, "scale", t.scale,
-               fmt::format("{}, not between 0 and {}", t.scale, Target::kMaxScale))
-      .Detail("limit", Target::kMaxScale);
+  return Fail(bad(FaultKind::kInvalidOption, "scale", t.scale,
+                  fmt::format("{}, not between 0 and {}", t.scale, Target::kMaxScale))
+                  .Detail("limit", Target::kMaxScale));
 }
-
-}  // namespace
 
 TargetRows::TargetRows(const CompiledHandlesParts& set)
     : set_(set),
@@ -64,7 +66,9 @@ Status TargetRows::Check(std::span<const Target> given) const {
                     .Detail("expected", set_.handles.size()));
   }
   for (std::size_t h = 0; h < given.size(); ++h) {
-    if (!IsGood(given[h])) return Fail(WhatIsWrong(given[h], h, set_.handles[h].handle.id));
+    if (auto good = CheckTarget(given[h], "targets", h, set_.handles[h].handle.id); !good) {
+      return Fail(std::move(good.error().Element(static_cast<std::uint32_t>(h))));
+    }
   }
   return {};
 }

@@ -115,7 +115,7 @@ Result<TokenEntry> ParseEntry(const Json& object, const Place& place) {
   }
   entry.owner = Text(object, "owner");
   if (!IsName(entry.owner)) {
-    return Fail(place.Bad("owner", "is not a name: 1 to 128 characters of [A-Za-z0-9._-]"));
+    return Fail(place.Bad("owner", "is not a name: " + std::string(kNameRule)));
   }
   if (entry.owner == kNobody) {
     return Fail(place.Bad("owner", "is the name of those who give no identity"));

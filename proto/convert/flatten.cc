@@ -13,8 +13,8 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
-#include "proto/convert/arrays.h"
 #include "proto/convert/mesh.h"
+#include "proto/convert/plain.h"
 
 namespace arap::convert {
 namespace {
@@ -70,7 +70,6 @@ v1::FlattenMethod ToWire(FlattenMethod method) {
 Result<EnergyOptions> EnergyOf(const v1::FlattenRequest& request, const Recipe& recipe) {
   const std::string method = v1::FlattenMethod_Name(request.method());
   TRY(EnergyOptions energy, FromWire(request.energy(), recipe.preset.energy));
-  CHECK_OK(CheckRigidity(energy, static_cast<std::size_t>(request.mesh().triangles_size() / 3)));
   // VERTEX cells are no contradiction of the method: no surface has them, as the core says.
   if (energy.basis != Basis::kVertex &&
       std::find(recipe.bases.begin(), recipe.bases.end(), energy.basis) == recipe.bases.end()) {

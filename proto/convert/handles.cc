@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
-#include "proto/convert/arrays.h"
+#include "proto/convert/plain.h"
 
 namespace arap::convert {
 namespace {

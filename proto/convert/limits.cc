@@ -5,6 +5,8 @@
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/duration.pb.h>
 
+#include "proto/convert/plain.h"
+
 namespace arap::convert {
 namespace {
 
@@ -12,9 +14,6 @@ using google::protobuf::Duration;
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Reflection;
 using std::chrono::milliseconds;
-
-constexpr std::int64_t kMillis = 1'000;
-constexpr std::int64_t kNanosOfMilli = 1'000'000;
 
 // Every limit that is served has a field; a test compares the two lists.
 const FieldDescriptor* FieldOf(const LimitInfo& info) {
@@ -30,9 +29,7 @@ struct Writer {
   void operator()(std::uint32_t value) const { reflection->SetUInt32(out, field, value); }
   void operator()(double value) const { reflection->SetDouble(out, field, value); }
   void operator()(milliseconds value) const {
-    auto* duration = static_cast<Duration*>(reflection->MutableMessage(out, field));
-    duration->set_seconds(value.count() / kMillis);
-    duration->set_nanos(static_cast<std::int32_t>(value.count() % kMillis * kNanosOfMilli));
+    ToWire(value, static_cast<Duration*>(reflection->MutableMessage(out, field)));
   }
 };
 
@@ -46,7 +43,7 @@ struct Reader {
   void operator()(double& value) const { value = reflection->GetDouble(in, field); }
   void operator()(milliseconds& value) const {
     const auto& duration = static_cast<const Duration&>(reflection->GetMessage(in, field));
-    value = milliseconds(duration.seconds() * kMillis + duration.nanos() / kNanosOfMilli);
+    value = std::chrono::duration_cast<milliseconds>(FromWire(duration));
   }
 };
 

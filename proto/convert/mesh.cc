@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
-#include "proto/convert/arrays.h"
+#include "proto/convert/plain.h"
 
 namespace arap::convert {
 namespace {
@@ -107,17 +107,6 @@ Result<EnergyOptions> FromWire(const v1::EnergyOptions& energy, EnergyOptions de
   TRY(out.weights, FromWire(energy.weights(), defaults.weights));
   out.rigidity = Values<double>(energy.rigidity());
   return out;
-}
-
-Status CheckRigidity(const EnergyOptions& energy, std::size_t triangles) {
-  const std::size_t length = energy.rigidity.size();
-  if (length == 0 || length == triangles) return {};
-  return Fail(
-      Fault(FaultKind::kArrayLength,
-            fmt::format("energy.rigidity has {} numbers for {} triangles.", length, triangles))
-          .Field("energy.rigidity")
-          .Detail("length", length)
-          .Detail("expected", triangles));
 }
 
 void ToWire(const EnergyOptions& energy, v1::EnergyOptions* out) {

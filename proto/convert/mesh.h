@@ -32,8 +32,6 @@ void ToWire(const SurfaceMesh& mesh, v1::SurfaceMesh* out);
 // `defaults` stands for what is not specified. kInvalidOption for a value that this version does
 // not know.
 Result<EnergyOptions> FromWire(const v1::EnergyOptions& energy, EnergyOptions defaults);
-// kArrayLength for a rigidity that is neither empty nor one per triangle.
-Status CheckRigidity(const EnergyOptions& energy, std::size_t triangles);
 void ToWire(const EnergyOptions& energy, v1::EnergyOptions* out);
 
 std::vector<Warning> FromWire(const google::protobuf::RepeatedPtrField<v1::Warning>& warnings);

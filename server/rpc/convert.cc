@@ -1,11 +1,9 @@
 #include "server/rpc/convert.h"
 
 #include <chrono>
-#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <string>
-#include <variant>
+#include <utility>
 
 #include <arap/v1/deformation_service.pb.h>
 #include <arap/v1/flattening_service.pb.h>
@@ -15,63 +13,9 @@
 #include "core/base/names.h"
 #include "core/base/try.h"
 #include "server/sessions/rebuild.h"
+#include "server/streams/live_set.h"
 
 namespace arap::rpc {
-namespace {
-
-constexpr double kBarycentricTolerance = 1e-6;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-Status CheckRange(double value, double low, double high, const std::string& field) {
-  if (std::isfinite(value) && value >= low && value <= high) return {};
-  std::string message = fmt::format("{} is {}, but must be finite", field, value);
-  if (low > -kInfinity) message += fmt::format(", at least {}", low);
-  if (high < kInfinity) message += fmt::format(", at most {}", high);
-  return Fail(Fault(FaultKind::kInvalidOption, message + ".").Field(field).Detail("value", value));
-}
-
-Status CheckAnchor(const TriangleAnchor& anchor, const std::string& field) {
-  double sum = 0;
-  for (const double weight : anchor.barycentric) {
-    // Written so that NaN fails too.
-    if (!(weight >= -kBarycentricTolerance && weight <= 1 + kBarycentricTolerance)) {
-      return Fail(Fault(FaultKind::kInvalidOption,
-                        fmt::format("{} has the weight {}, not between 0 and 1.", field, weight))
-                      .Field(field)
-                      .Detail("value", weight));
-    }
-    sum += weight;
-  }
-  if (std::abs(sum - 1) <= kBarycentricTolerance) return {};
-  return Fail(Fault(FaultKind::kInvalidOption, fmt::format("{} sums to {}, not to 1 within {}.",
-                                                           field, sum, kBarycentricTolerance))
-                  .Field(field)
-                  .Detail("value", sum));
-}
-
-Status Check(const Handle& handle, const std::string& path) {
-  if (const auto* anchor = std::get_if<TriangleAnchor>(&handle.anchor)) {
-    CHECK_OK(CheckAnchor(*anchor, path + ".triangle_point.barycentric"));
-  }
-  if (const auto* anchor = std::get_if<PointAnchor>(&handle.anchor)) {
-    const Complex at = anchor->position;
-    CHECK_OK(CheckRange(at.real(), -kInfinity, kInfinity, path + ".position.x"));
-    CHECK_OK(CheckRange(at.imag(), -kInfinity, kInfinity, path + ".position.y"));
-  }
-  CHECK_OK(CheckRange(handle.weight, Handle::kMinWeight, Handle::kMaxWeight, path + ".weight"));
-  CHECK_OK(CheckRange(handle.area_radius, 0, kInfinity, path + ".area_radius"));
-  CHECK_OK(CheckRange(handle.depth, -Handle::kMaxDepth, Handle::kMaxDepth, path + ".depth"));
-  return CheckRange(handle.depth_falloff, 0, kInfinity, path + ".depth_falloff");
-}
-
-Result<Handle> CheckedFromWire(const v1::Handle& handle, const std::string& path) {
-  CHECK_OK(CheckName(handle.handle_id(), path + ".handle_id"));
-  TRY(Handle out, FromWire(handle, path));
-  CHECK_OK(Check(out, path));
-  return out;
-}
-
-}  // namespace
 
 Result<app::SessionSpec> FromWire(const v1::CreateSessionRequest& request) {
   using std::chrono::milliseconds;
@@ -123,7 +67,10 @@ Result<std::vector<Handle>> FromWire(const google::protobuf::RepeatedPtrField<v1
   std::vector<Handle> out;
   out.reserve(static_cast<std::size_t>(handles.size()));
   for (int i = 0; i < handles.size(); ++i) {
-    auto handle = CheckedFromWire(handles[i], fmt::format("{}[{}]", field, i));
+    const std::string path = fmt::format("{}[{}]", field, i);
+    auto handle = CheckName(handles[i].handle_id(), path + ".handle_id").and_then([&] {
+      return FromWire(handles[i], path);
+    });
     if (!handle) return Fail(handle.error().Element(static_cast<std::uint32_t>(i)));
     out.push_back(*std::move(handle));
   }
@@ -156,16 +103,17 @@ std::vector<app::NamedTarget> FromWire(
   return out;
 }
 
-Result<std::vector<Target>> FromWire(const v1::TrackFrame& frame, std::size_t index,
+Result<std::vector<Target>> FromWire(const v1::DeformTrackRequest& request, std::size_t frame,
                                      const std::vector<std::size_t>& order) {
-  const std::string path = fmt::format("frames[{}]", index);
-  TRY(const std::vector<Target> columns, FromWire(frame, order.size(), path));
+  const std::string path = fmt::format("frames[{}]", frame);
+  TRY(const std::vector<Target> columns,
+      FromWire(request.frames(static_cast<int>(frame)), order.size(), path));
+  const std::string array = path + ".targets";
   std::vector<Target> targets(columns.size());
   for (std::size_t i = 0; i < columns.size(); ++i) {
     targets[order[i]] = columns[i];
-    if (auto good = app::CheckTarget(columns[i], fmt::format("{}.targets[{}]", path, i)); !good) {
-      return Fail(good.error().Detail("frame", index).Field(path));
-    }
+    auto good = CheckTarget(columns[i], array, i, request.handle_ids(static_cast<int>(i)));
+    if (!good) return Fail(std::move(good.error().Detail("frame", frame).Field(path)));
   }
   return targets;
 }
@@ -175,9 +123,12 @@ Result<ShapeOptions> FromWire(const v1::DeformOptions& options, const Limits& li
   return ShapeOptions{deform, options.float64(), options.include_flipped_ids()};
 }
 
-Status ToWire(const Deformer& deformer, const ShapeQuality& quality, const ShapeOptions& options,
+Status ToWire(const app::LiveSet& set, const ShapeQuality& quality, const ShapeOptions& options,
+              std::span<const Complex> picks, const CancelToken& cancel, const ShapeTimes& times,
               v1::Shape* out, std::size_t lane) {
-  CHECK_OK(ToWire(deformer.positions(lane), options.float64, out));
+  const Deformer& deformer = set.deformer();
+  const std::span<const Complex> positions = deformer.positions(lane);
+  CHECK_OK(ToWire(positions, options.float64, out));
   ToWire(quality, out);
   const auto& handles = deformer.handles()->handles();
   if (!handles.empty()) out->set_worst_handle_id(handles[quality.worst_handle].handle.id);
@@ -185,13 +136,11 @@ Status ToWire(const Deformer& deformer, const ShapeQuality& quality, const Shape
     const std::vector<std::uint32_t> flipped = deformer.FlippedTriangles(lane);
     out->mutable_flipped_ids()->Assign(flipped.begin(), flipped.end());
   }
-  return {};
-}
-
-Status PicksToWire(const Deformer& deformer, std::span<const Complex> points,
-                   const CancelToken& cancel, v1::Shape* out) {
-  TRY(const auto picks, FindPicks(*deformer.handles(), deformer.positions(), points, cancel));
-  for (const auto& pick : picks) ToWire(pick, out->add_picks());
+  TRY(const auto found, FindPicks(*deformer.handles(), positions, picks, cancel));
+  for (const auto& pick : found) ToWire(pick, out->add_picks());
+  out->set_handle_set_revision(set.entry().revision);
+  out->set_queue_micros(times.queue_micros);
+  out->set_solve_micros(times.working.Micros() / static_cast<double>(times.shapes));
   return {};
 }
 

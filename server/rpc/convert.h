@@ -1,5 +1,5 @@
 // What only the server has beside the model's values, between it and the wire: entries, sessions,
-// limits, deformers. The values themselves are converted in proto/convert.
+// limits, shapes. The values themselves are converted in proto/convert.
 #pragma once
 
 #include <cstddef>
@@ -13,20 +13,23 @@
 #include "proto/convert/flatten.h"
 #include "proto/convert/handles.h"
 #include "proto/convert/mesh.h"
+#include "proto/convert/plain.h"
 #include "proto/convert/shape.h"
 #include "proto/convert/status.h"
-#include "proto/convert/time.h"
+#include "server/runtime/clock.h"
 #include "server/sessions/session.h"
 #include "server/streams/targets.h"
 
 namespace arap::v1 {
 class CreateSessionRequest;
+class DeformTrackRequest;
 class FlattenRequest;
 class HandleSetInfo;
 class Session;
 }  // namespace arap::v1
 namespace arap::app {
 struct HandleSetEntry;
+class LiveSet;
 struct MeshEntry;
 }  // namespace arap::app
 
@@ -47,9 +50,8 @@ void ToWire(const app::SessionView& view, v1::Session* out);
 // A mesh, without the rigidity array, which only the client needs and has.
 void ToWire(const app::MeshEntry& entry, v1::MeshInfo* out);
 
-// Handles, with everything checked that needs no mesh: names, ranges, finiteness, barycentric
-// weights. `field` is the name of the array in the request, for the fault's path. Faults:
-// kInvalidName, kInvalidOption, kArrayLength.
+// Handles with their names checked; numbers are for the core to judge. `field` is the name of the
+// array in the request, for the fault's path. Faults: kInvalidName, kInvalidOption, kArrayLength.
 Result<std::vector<Handle>> FromWire(const google::protobuf::RepeatedPtrField<v1::Handle>& handles,
                                      std::string_view field);
 
@@ -60,9 +62,9 @@ void ToWire(const app::HandleSetEntry& entry, v1::HandleSetInfo* out);
 std::vector<app::NamedTarget> FromWire(
     const google::protobuf::RepeatedPtrField<v1::HandleTarget>& targets);
 
-// The targets of a frame in the order of the set; `order` is the set index of each column.
-// kArrayLength and the faults of CheckTarget, with fields under "frames[index]".
-Result<std::vector<Target>> FromWire(const v1::TrackFrame& frame, std::size_t index,
+// The targets of a frame of a track in the order of the set; `order` is the set index of each
+// column. kArrayLength and the faults of CheckTarget, with fields under "frames[frame]".
+Result<std::vector<Target>> FromWire(const v1::DeformTrackRequest& request, std::size_t frame,
                                      const std::vector<std::size_t>& order);
 
 // How to deform and what to answer.
@@ -75,15 +77,20 @@ struct ShapeOptions {
 // kInvalidOption: an unknown mode, or refine above the limit.
 Result<ShapeOptions> FromWire(const v1::DeformOptions& options, const Limits& limits);
 
-// Positions and quality of a lane's last update, into a cleared `out`. kNumerical when a position
-// does not fit the precision that was asked for.
-Status ToWire(const Deformer& deformer, const ShapeQuality& quality, const ShapeOptions& options,
-              v1::Shape* out, std::size_t lane = 0);
+// How long a shape waited and, with others that were computed together, is being worked on.
+struct ShapeTimes {
+  double queue_micros;
+  const runtime::WallTimer& working;
+  std::size_t shapes = 1;
+};
 
-// Where `points` on the shape of `deformer` were at rest, one result each. Fault: that of `cancel`,
-// asked between points.
-Status PicksToWire(const Deformer& deformer, std::span<const Complex> points,
-                   const CancelToken& cancel, v1::Shape* out);
+// The shape of a lane's last update, of this quality, into a cleared `out`; sequence and replaced
+// are left to the caller. `picks` are points on it to map back to rest, one result each. Faults:
+// kNumerical when a position does not fit the precision that was asked for; that of `cancel`, asked
+// between picks.
+Status ToWire(const app::LiveSet& set, const ShapeQuality& quality, const ShapeOptions& options,
+              std::span<const Complex> picks, const CancelToken& cancel, const ShapeTimes& times,
+              v1::Shape* out, std::size_t lane = 0);
 
 // kLimitExceeded when the surface has more than max_flatten_triangles. Looks at lengths only.
 Status CheckBudget(const v1::FlattenRequest& request, const Limits& limits);

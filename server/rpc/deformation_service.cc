@@ -81,7 +81,6 @@ Status RegisterMesh(app::Engine& engine, const v1::RegisterMeshRequest& request,
   TRY(auto mesh,
       FromWire(request.mesh(), {engine.limits.max_vertices, engine.limits.max_triangles}));
   TRY(const auto options, FromWire(request.energy(), EnergyOptions{}));
-  CHECK_OK(convert::CheckRigidity(options, mesh.triangles.size()));
   TRY(const auto registration,
       app::RegisterMesh(engine, call.caller, request.session_id(), request.mesh_id(),
                         std::move(mesh), options, call.cancel));
@@ -159,13 +158,8 @@ Status Deform(app::Engine& engine, const v1::DeformRequest& request, const Call&
 
   app::LiveSet set(std::move(entry));
   TRY(const auto quality, set.Move(targets, options.deform, engine.metrics, call.cancel));
-  v1::Shape& shape = *response->mutable_shape();
-  CHECK_OK(ToWire(set.deformer(), quality, options, &shape));
-  CHECK_OK(PicksToWire(set.deformer(), picks, call.cancel, &shape));
-  shape.set_handle_set_revision(set.entry().revision);
-  shape.set_queue_micros(call.queue_micros);
-  shape.set_solve_micros(working.Micros());
-  return {};
+  return ToWire(set, quality, options, picks, call.cancel, {call.queue_micros, working},
+                response->mutable_shape());
 }
 
 NamedService MakeDeformationService(const Backend& backend) {

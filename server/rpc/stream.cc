@@ -303,12 +303,11 @@ class StreamReactor final
     const runtime::WallTimer working;
     CpuTimer processor;
     auto answer = std::make_unique<Answer>();
-    v1::Shape& shape = *answer->message.mutable_shape();
+    const CancelToken cancel = CancelTokenOf(context_);
     const Status made = OrOutOfMemory([&]() -> Status {
-      TRY(const auto quality,
-          live_->Move(job_.targets, options_.deform, engine_.metrics, CancelTokenOf(context_)));
-      CHECK_OK(Fill(*live_, quality, working, queue_micros, shape));
-      return PicksToWire(live_->deformer(), job_.picks, CancelTokenOf(context_), &shape);
+      TRY(const auto quality, live_->Move(job_.targets, options_.deform, engine_.metrics, cancel));
+      return ToWire(*live_, quality, options_, job_.picks, cancel, {queue_micros, working},
+                    answer->message.mutable_shape());
     });
     const double took = processor.Lap() * 1e-3;
     const MutexLock lock(&mutex_);
@@ -332,8 +331,8 @@ class StreamReactor final
           engine_.derived.Reserve(caller_, app::LiveSetBytes(*entry.handles, 1) + cost.bytes));
       TRY(auto edited, live_->Edited(remove, add, job_.targets, options_.deform, engine_.limits,
                                      cancel, engine_.metrics));
-      CHECK_OK(Fill(edited.set, edited.quality, working, queue_micros,
-                    *answer->message.mutable_shape()));
+      CHECK_OK(ToWire(edited.set, edited.quality, options_, {}, cancel, {queue_micros, working},
+                      answer->message.mutable_shape()));
       const CompiledHandles& handles = *edited.set.entry().handles;
       room.Shrink(app::LiveSetBytes(handles, 1) + handles.bytes());
       live_room_ = std::move(room);
@@ -347,16 +346,6 @@ class StreamReactor final
       policy_.Failed(std::move(made.error()));
     }
     Pump();
-  }
-
-  // All of a shape that is known before its turn to be written.
-  Status Fill(const app::LiveSet& set, const ShapeQuality& quality,
-              const runtime::WallTimer& working, double queue_micros, v1::Shape& shape) const {
-    CHECK_OK(ToWire(set.deformer(), quality, options_, &shape));
-    shape.set_handle_set_revision(set.entry().revision);
-    shape.set_queue_micros(queue_micros);
-    shape.set_solve_micros(working.Micros());
-    return {};
   }
 
   app::Engine& engine_;

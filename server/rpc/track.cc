@@ -244,7 +244,7 @@ class TrackReactor final
   }
 
   Result<std::vector<Target>> TargetsOf(std::size_t frame) const {
-    return FromWire(request_.frames(static_cast<int>(frame)), frame, order_);
+    return FromWire(request_, frame, order_);
   }
 
   // The next kLanes frames, or only the next one when they fail together: the frames before a bad
@@ -274,13 +274,10 @@ class TrackReactor final
     std::vector<v1::DeformTrackResponse> responses(count);
     for (std::size_t i = 0; i < count; ++i) {
       v1::Shape& shape = *responses[i].mutable_shape();
-      if (auto good = ToWire(live_->deformer(), qualities[i], options_, &shape, i); !good) {
-        return Fail(AtFrame(std::move(good.error()), first + i));
-      }
+      auto good =
+          ToWire(*live_, qualities[i], options_, {}, {}, {queue_micros, working, count}, &shape, i);
+      if (!good) return Fail(AtFrame(std::move(good.error()), first + i));
       shape.set_sequence(first + i);
-      shape.set_handle_set_revision(live_->entry().revision);
-      shape.set_queue_micros(queue_micros);
-      shape.set_solve_micros(working.Micros() / static_cast<double>(count));
     }
     return responses;
   }

@@ -72,12 +72,6 @@ Status CheckEdit(const HandleSetEntry& entry, const std::vector<std::string>& re
   return CheckCount(left + add.size(), limits, "add");
 }
 
-// The core numbers the added handles as "handles[i]"; in an edit they are the field "add".
-std::string FieldOfEdit(const std::string& field) {
-  constexpr std::string_view kHandles = "handles[";
-  return field.starts_with(kHandles) ? "add[" + field.substr(kHandles.size()) : field;
-}
-
 }  // namespace
 
 Result<HandleSetEntry> CompileHandles(Workshop& workshop, const Caller& caller,
@@ -128,13 +122,9 @@ Result<HandleSetEntry> EditEntry(const HandleSetEntry& entry,
                                  const std::vector<Handle>& add, const Limits& limits,
                                  const CancelToken& cancel) {
   CHECK_OK(CheckEdit(entry, remove, add, limits));
-  auto compiled = entry.handles->Edit(remove, add, cancel);
-  if (!compiled) {
-    compiled.error().Field(FieldOfEdit(compiled.error().field));
-    return Fail(std::move(compiled.error()));
-  }
+  TRY(auto compiled, entry.handles->Edit(remove, add, cancel));
   return HandleSetEntry{entry.handle_set_id, entry.mesh_id, Edited(*entry.definitions, remove, add),
-                        *std::move(compiled), entry.revision + 1};
+                        std::move(compiled), entry.revision + 1};
 }
 
 Result<HandleSetEntry> EditHandles(Workshop& workshop, const Caller& caller,

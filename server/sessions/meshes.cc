@@ -35,6 +35,8 @@ Result<std::shared_ptr<const RegisteredMesh>> Factor(Workshop& workshop, const C
                                                      PlanarMesh mesh, const EnergyOptions& options,
                                                      const CancelToken& cancel) {
   const MeshLimits limits{workshop.limits.max_vertices, workshop.limits.max_triangles};
+  // Before memory is taken: what is asked amiss stays so however much room there is.
+  CHECK_OK(RegisteredMesh::CheckOptions(options, mesh.triangles.size()));
   TRY(const auto room,
       workshop.derived.Reserve(caller,
                                EstimateRegistration(mesh.vertices.size(), options.basis).bytes));

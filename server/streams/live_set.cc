@@ -85,7 +85,7 @@ Target PoseOf(const PlanarMesh& mesh, const PlacedHandle& handle,
   }
   const Complex similarity = Similarity(rest, now);
   const double scale = std::abs(similarity);
-  if (scale > 0 && scale <= kMaxTargetScale) {
+  if (scale > 0 && scale <= Target::kMaxScale) {
     pose.angle = std::arg(similarity);
     pose.scale = scale;
   }

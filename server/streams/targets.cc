@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "arap/core/deformer.h"
 #include "core/base/names.h"
 #include "core/base/try.h"
 
@@ -72,37 +73,14 @@ Result<std::vector<std::size_t>> ResolveTargets(const CompiledHandles& handles,
       [](std::size_t i) { return fmt::format("targets[{}].handle_id", i); }, seen);
   if (!order) return order;
   for (std::size_t i = 0; i < named.size(); ++i) {
-    if (auto good = CheckTarget(named[i].target, fmt::format("targets[{}]", i)); !good) {
-      Fault fault = std::move(good.error());
-      fault.Element(static_cast<std::uint32_t>((*order)[i]));
-      return Fail(fault.Detail("handle_id", std::string(named[i].handle_id)));
-    }
+    auto good = CheckTarget(named[i].target, "targets", i, named[i].handle_id);
+    if (!good)
+      return Fail(std::move(good.error().Element(static_cast<std::uint32_t>((*order)[i]))));
   }
   return order;
 }
 
 }  // namespace
-
-Status CheckTarget(const Target& target, std::string_view field) {
-  const auto bad = [&](double value, const char* part) {
-    return Fail(Fault(FaultKind::kNonFiniteTarget, fmt::format("{}.{} is not finite.", field, part))
-                    .Field(fmt::format("{}.{}", field, part))
-                    .Detail("value", value));
-  };
-  if (!std::isfinite(target.position.real())) return bad(target.position.real(), "x");
-  if (!std::isfinite(target.position.imag())) return bad(target.position.imag(), "y");
-  if (!std::isfinite(target.angle)) return bad(target.angle, "angle_radians");
-  if (!std::isfinite(target.scale)) return bad(target.scale, "scale");
-  if (target.scale < 0 || target.scale > kMaxTargetScale) {
-    return Fail(
-        Fault(FaultKind::kInvalidOption, fmt::format("{}.scale of {} is not between 0 and {}.",
-                                                     field, target.scale, kMaxTargetScale))
-            .Field(fmt::format("{}.scale", field))
-            .Detail("value", target.scale)
-            .Detail("limit", kMaxTargetScale));
-  }
-  return {};
-}
 
 Status MergeTargets(const CompiledHandles& handles, std::span<const NamedTarget> named,
                     std::vector<Target>& targets) {

@@ -16,15 +16,9 @@ struct NamedTarget {
   Target target;
 };
 
-inline constexpr double kMaxTargetScale = Target::kMaxScale;
-
-// Position, angle and scale finite (kNonFiniteTarget), scale 0 to kMaxTargetScale (kInvalidOption).
-// The fault's field is `field` with the part at fault appended.
-Status CheckTarget(const Target& target, std::string_view field);
-
 // Moves the named handles in `targets` (one per handle of the set, in its order); the others keep
 // theirs. All or nothing. Faults: kUnknownHandle, kDuplicateHandle when one handle is named twice,
-// and those of CheckTarget.
+// and those of arap::CheckTarget.
 Status MergeTargets(const CompiledHandles& handles, std::span<const NamedTarget> named,
                     std::vector<Target>& targets);
 

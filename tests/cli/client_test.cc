@@ -68,8 +68,8 @@ TEST_F(ClientLibrary, MeshesAreSharedAndForgotten) {
   EXPECT_EQ(second->mesh.content_hash, first->mesh.content_hash);
   const auto known = session.GetMesh("two");
   ASSERT_TRUE(known) << known.error().message;
-  EXPECT_EQ(known->energy.basis, client::Basis::kEdge);
-  EXPECT_EQ(known->energy.weights, client::Weights::kUniform);
+  EXPECT_EQ(known->energy->basis, client::Basis::kEdge);
+  EXPECT_EQ(known->energy->weights, client::Weights::kUniform);
   ASSERT_TRUE(session.DeleteMesh("two"));
   EXPECT_EQ(session.GetMesh("two").error().kind, FaultKind::kNotFound);
 }

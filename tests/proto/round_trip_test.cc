@@ -9,8 +9,8 @@
 #include "proto/convert/flatten.h"
 #include "proto/convert/handles.h"
 #include "proto/convert/mesh.h"
+#include "proto/convert/plain.h"
 #include "proto/convert/shape.h"
-#include "proto/convert/time.h"
 
 namespace arap::convert {
 namespace {

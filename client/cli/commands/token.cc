@@ -35,7 +35,7 @@ struct TokenFlags {
 
 std::string CheckOwner(const std::string& owner) {
   if (owner == kNobody) return "anonymous is the name of those who give no identity";
-  return IsName(owner) ? "" : "an owner is 1 to 128 characters of [A-Za-z0-9._-]";
+  return IsName(owner) ? "" : "an owner is " + std::string(kNameRule);
 }
 
 Result<std::vector<RawTokenEntry>> ReadRawEntries(const std::string& path) {

@@ -113,6 +113,20 @@ TEST(HandlesTest, EveryNumberIsWithinItsBounds) {
   }
 }
 
+TEST(HandlesTest, AnEditNamesWhatItAdds) {
+  const auto set = Compile(Register(Grid(4, 4, 4, 4)), {OnVertex("a", 0)});
+  const auto fault = [&](const Handle& handle) {
+    return set->Edit({}, {OnVertex("b", 1), handle}).error();
+  };
+  Handle light = OnVertex("c", 2);
+  light.weight = 0;
+  EXPECT_EQ(fault(light).field, "add[1].weight");
+  EXPECT_THAT(fault(light).message, HasSubstr("add[1].weight is 0"));
+  EXPECT_EQ(fault(OnVertex("c", 99)).field, "add[1]");
+  EXPECT_EQ(fault(AtPoint("c", {7, 0})).field, "add[1].position");
+  EXPECT_EQ(fault(OnVertex("a", 2)).field, "add[1].handle_id");
+}
+
 TEST(HandlesTest, SnapsToTheBoundaryWhenAsked) {
   const auto set = Compile(Register(Grid(4, 4, 4, 4)), {AtPoint("b", {7, 2.25}, Outside::kSnap)});
   EXPECT_LE(std::abs(set->handles()[0].rest - Complex(4, 2.25)), 1e-12);

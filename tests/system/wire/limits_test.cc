@@ -74,6 +74,29 @@ TEST_F(LimitsTest, Bytes) {
   EXPECT_TRUE(Register("s", "m", Grid(4, 4)).ok()) << "nothing was lost";
 }
 
+// What is wrong with a request is said also where there would be no room for it: the one never gets
+// better.
+TEST_F(LimitsTest, WhatIsAskedAmissIsSaidBeforeMemoryIsTaken) {
+  options().limits.owner.max_bytes = 1 << 20;
+  SetUpCorners();
+  v1::RegisterMeshRequest request;
+  request.set_session_id("s");
+  *request.mutable_mesh() = Grid(40, 40);
+  request.mutable_energy()->add_rigidity(1);
+  v1::RegisterMeshResponse response;
+  auto error = ExpectError(Call(&Deformation::RegisterMesh, request, &response),
+                           grpc::INVALID_ARGUMENT, "ARRAY_LENGTH");
+  EXPECT_EQ(error.fields, std::vector<std::string>{"energy.rigidity"});
+  v1::Handle wide = VertexHandle("w", 0);
+  wide.set_area_radius(std::numeric_limits<double>::infinity());
+  std::vector<v1::Handle> handles(1'000, wide);
+  for (std::size_t i = 0; i < handles.size(); ++i) {
+    handles[i].set_handle_id("w" + std::to_string(i));
+  }
+  error = ExpectError(Compile("s", "m", "i", handles), grpc::INVALID_ARGUMENT, "INVALID_OPTION");
+  EXPECT_EQ(error.fields, std::vector<std::string>{"handles[0].area_radius"});
+}
+
 TEST_F(LimitsTest, BytesOfAMessage) {
   options().limits.max_message_bytes = 2'000;
   SetUpCorners();

@@ -72,7 +72,9 @@ TEST_F(StreamTest, BadEditIsAnsweredInTheStreamAndChangesNothing) {
   v1::Handle wide = VertexHandle("w", 3);
   wide.set_area_radius(-1);
   stream.Send(Edit(3, {}, {wide}));
-  ExpectError(stream.ReadError().status(), grpc::INVALID_ARGUMENT, "INVALID_OPTION");
+  const auto radius =
+      ExpectError(stream.ReadError().status(), grpc::INVALID_ARGUMENT, "INVALID_OPTION");
+  EXPECT_EQ(radius.fields, std::vector<std::string>{"add[0].area_radius"});
   stream.Update(4, Moved(1));
   EXPECT_EQ(stream.ReadShape().handle_set_revision(), 1u);
 }

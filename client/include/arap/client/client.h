@@ -22,8 +22,8 @@
 #include "arap/client/call.h"
 #include "arap/client/flatten.h"
 #include "arap/client/mesh.h"
-#include "arap/client/server_info.h"
 #include "arap/client/session.h"
+#include "arap/model/limits.h"
 
 namespace arap::client {
 
@@ -49,6 +49,16 @@ struct ConnectOptions {
   bool wants_tls() const {
     return tls || !root_certificates.empty() || !certificate.empty() || !key.empty();
   }
+};
+
+using arap::Limits;
+
+// What the server is and what it allows.
+struct ServerInfo {
+  std::string version;  // semantic version
+  Limits limits;        // in force; a request beyond one fails with a fault that names it
+  std::vector<std::string> capabilities;  // names such as "basis.edge"
+  std::uint32_t workers = 0;              // worker threads
 };
 
 struct SessionOptions {

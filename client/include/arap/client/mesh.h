@@ -2,6 +2,7 @@
 // is wrong.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "arap/model/energy.h"
@@ -27,7 +28,9 @@ struct MeshInfo {
   std::string content_hash;
   // Counts, sizes and warnings; clamped_weights is 0, for a warning tells of them.
   RegistrationReport report;
-  EnergyOptions energy;  // in force, without the rigidity
+  // In force, without the rigidity. Empty for options of a newer server that this version has no
+  // name for.
+  std::optional<EnergyOptions> energy;
 };
 
 // The answer to RegisterMesh.

@@ -56,7 +56,7 @@ class CompiledHandles {
 
   // A new set with `remove` taken out, then `add` appended. This set is not changed. Costs the
   // back-substitutions of the added rows only; factors again when direct. Faults: kUnknownHandle
-  // (field "remove") and those of Compile, where i counts in `add`.
+  // (field "remove") and those of Compile, with the field "add[i]…".
   Result<std::shared_ptr<const CompiledHandles>> Edit(std::span<const std::string> remove,
                                                       const std::vector<Handle>& add,
                                                       const CancelToken& cancel = {}) const;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "arap/base/cancel.h"
@@ -14,6 +15,12 @@
 #include "arap/model/handle.h"
 
 namespace arap {
+
+// What Update says of a single target, for who keeps targets before they are used: kNonFiniteTarget,
+// kInvalidOption (scale), with the field "array[index]…" and the detail "handle_id". Allocates
+// nothing for a good one.
+Status CheckTarget(const Target& target, std::string_view array, std::size_t index,
+                   std::string_view handle_id);
 
 // The mutable scratch of one stream. Not thread-safe; one Deformer per thread or stream, any number
 // on one handle set, which it keeps alive. The answer is a function of the targets alone: nothing

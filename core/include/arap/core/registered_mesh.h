@@ -32,6 +32,9 @@ class RegisteredMesh {
                                                                 const EnergyOptions& options,
                                                                 const MeshLimits& limits = {},
                                                                 const CancelToken& cancel = {});
+  // What Register says of the options of a mesh with so many triangles, for who takes memory first:
+  // kArrayLength and kInvalidOption for the rigidity.
+  static Status CheckOptions(const EnergyOptions& options, std::size_t triangles);
   ~RegisteredMesh();
   RegisteredMesh(const RegisteredMesh&) = delete;
   RegisteredMesh& operator=(const RegisteredMesh&) = delete;

@@ -1,8 +1,10 @@
-// The flat arrays of the wire as points and groups of numbers, and back.
+// The plain pieces of messages: arrays of numbers as points and groups, times, values of
+// enumerations.
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -13,6 +15,11 @@
 
 #include "arap/base/result.h"
 #include "arap/model/mesh.h"
+
+namespace google::protobuf {
+class Duration;
+class Timestamp;
+}  // namespace google::protobuf
 
 namespace arap::convert {
 
@@ -80,5 +87,16 @@ Fault UnknownValue(const std::string& field, int value);
 
 // kArrayLength unless `length` is a multiple of `group`.
 Status CheckGroups(int length, int group, const std::string& field);
+
+using WallTime = std::chrono::system_clock::time_point;
+
+std::chrono::nanoseconds FromWire(const google::protobuf::Duration& duration);
+void ToWire(std::chrono::nanoseconds duration, google::protobuf::Duration* out);
+
+WallTime FromWire(const google::protobuf::Timestamp& time);
+void ToWire(WallTime time, google::protobuf::Timestamp* out);
+
+double Micros(const google::protobuf::Duration& duration);
+void SetMicros(double micros, google::protobuf::Duration* out);
 
 }  // namespace arap::convert
