@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <fstream>
 #include <iterator>
 #include <string_view>
@@ -157,10 +156,5 @@ Channel::Channel(Connect connect)
       deformation_(v1::DeformationService::NewStub(channel_)),
       flattening_(v1::FlatteningService::NewStub(channel_)),
       server_(v1::ServerService::NewStub(channel_)) {}
-
-void Prepare(grpc::ClientContext& context, const CallOptions& call, const std::string& session_id) {
-  if (call.timeout) context.set_deadline(std::chrono::system_clock::now() + *call.timeout);
-  if (!session_id.empty()) context.AddMetadata("x-session-id", session_id);
-}
 
 }  // namespace arap::client::internal

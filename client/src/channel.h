@@ -3,17 +3,14 @@
 
 #include <functional>
 #include <memory>
-#include <stop_token>
 #include <string>
 
 #include <grpcpp/grpcpp.h>
 
-#include "arap/client/call.h"
 #include "arap/client/client.h"
 #include "arap/v1/deformation_service.grpc.pb.h"
 #include "arap/v1/flattening_service.grpc.pb.h"
 #include "arap/v1/server_service.grpc.pb.h"
-#include "proto/convert/status.h"
 
 namespace arap::client::internal {
 
@@ -44,23 +41,5 @@ class Channel {
   std::unique_ptr<v1::FlatteningService::Stub> flattening_;
   std::unique_ptr<v1::ServerService::Stub> server_;
 };
-
-// Sets the deadline, and the session header unless `session_id` is empty.
-void Prepare(grpc::ClientContext& context, const CallOptions& call, const std::string& session_id);
-
-// One unary call: `method` is the stub's.
-template <class Stub, class Request, class Response>
-Result<Response> Call(Stub& stub,
-                      grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
-                      const Request& request, const CallOptions& call,
-                      const std::string& session_id = {}) {
-  grpc::ClientContext context;
-  Prepare(context, call, session_id);
-  const std::stop_callback cancel(call.stop, [&context] { context.TryCancel(); });
-  Response response;
-  const grpc::Status status = (stub.*method)(&context, request, &response);
-  if (!status.ok()) return Fail(convert::FaultOf(status));
-  return response;
-}
 
 }  // namespace arap::client::internal

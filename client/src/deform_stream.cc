@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "arap/client/session.h"
-#include "client/src/convert.h"
+#include "client/src/answers.h"
 #include "client/src/deform_stream_impl.h"
 #include "proto/convert/handles.h"
 #include "proto/convert/plain.h"
@@ -22,7 +22,8 @@ Result<DeformStream> Session::OpenStream(const std::string& handle_set_id,
   open.set_delivery(options.delivery == Delivery::kEvery ? v1::DELIVERY_EVERY
                                                          : v1::DELIVERY_LATEST);
   internal::ToWire(options.shape, open.mutable_options());
-  auto impl = std::make_unique<DeformStream::Impl>(channel_, options, call, std::move(open));
+  auto impl =
+      std::make_unique<DeformStream::Impl>(channel_, sizes_, options, call, std::move(open));
   return impl->Open().map([&] { return DeformStream(std::move(impl)); });
 }
 

@@ -1,14 +1,12 @@
 #include "client/src/deform_stream_impl.h"
 
 #include <algorithm>
-#include <random>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "client/src/convert.h"
 #include "core/base/try.h"
-#include "proto/convert/status.h"
 
 namespace arap::client {
 namespace {
@@ -18,20 +16,7 @@ using internal::FromWire;
 using std::chrono::milliseconds;
 using WallClock = std::chrono::system_clock;
 
-constexpr milliseconds kFirstPause{50};
-constexpr milliseconds kLongestPause{2'000};
-
-// Clients of one server that died do not come back all at the same moment.
-milliseconds Jittered(milliseconds pause) {
-  std::random_device random;
-  return milliseconds(
-      std::uniform_int_distribution<milliseconds::rep>(pause.count() / 2, pause.count())(random));
-}
-
-std::optional<WallClock::time_point> DeadlineOf(const CallOptions& call) {
-  if (!call.timeout) return std::nullopt;
-  return WallClock::now() + *call.timeout;
-}
+double Seconds(milliseconds time) { return std::chrono::duration<double>(time).count(); }
 
 Fault NotGrown(std::uint64_t sequence) {
   return Fault(FaultKind::kInvalidOption,
@@ -47,23 +32,27 @@ Fault Cancelled() { return {FaultKind::kCancelled, "The stream was cancelled."};
 
 }  // namespace
 
-DeformStream::Impl::Impl(std::shared_ptr<internal::Channel> channel, const StreamOptions& options,
+DeformStream::Impl::Impl(std::shared_ptr<internal::Channel> channel,
+                         std::shared_ptr<internal::KnownSizes> sizes, const StreamOptions& options,
                          const CallOptions& call, v1::OpenStream open)
     : options_(options),
-      deadline_(DeadlineOf(call)),
+      deadline_(internal::DeadlineOf(call, kNoLimit)),
+      headers_(open.session_id(), call.traceparent),
       open_message_(std::move(open)),
       channel_(std::move(channel)),
+      sizes_(std::move(sizes)),
+      awaited_(options.delivery == Delivery::kEvery),
       life_(options.heartbeat, options.silence) {
   if (resumes()) log_.emplace(options_.delivery == Delivery::kLatest);
-  if (options_.heartbeat.count() > 0) {
-    watch_ = std::jthread([this] { Watch(); });
-  }
+  watch_ = std::jthread([this] { Watch(); });
 }
 
 Status DeformStream::Impl::Open() {
   bool lost = false;
   TRY(handle_set_, OpenCall(&lost));
+  mesh_ = sizes_->OfMesh(handle_set_.mesh_id);
   const MutexLock lock(&mutex_);
+  waiting_since_.reset();
   open_ = true;
   return {};
 }
@@ -78,6 +67,7 @@ Status DeformStream::Impl::Send(v1::StreamDeformRequest request) {
     if (end_ || cancelled_) return Fail(Over());
     if (log_ && !log_->Sent(request)) return Fail(NotGrown(internal::SequenceOf(request)));
     if (!open_) return {};
+    awaited_.Sent(request, Clock::now());
     call = call_;
     call->Push(std::move(request));
   }
@@ -129,19 +119,21 @@ bool DeformStream::Impl::Next(Call& call, v1::StreamDeformResponse* response) {
 
 Status DeformStream::Impl::EndOf(const Call& call, bool* lost) {
   const MutexLock lock(&mutex_);
-  *lost = silent_ || internal::IsLost(call.status());
-  if (*lost && cancelled_) {
+  *lost = !overdue_ && (silent_ || internal::IsLost(call.status()));
+  if ((*lost || overdue_) && cancelled_) {
     *lost = false;
     return Fail(Cancelled());
   }
+  if (overdue_) return Fail(*overdue_);
   if (*lost && silent_) {
-    Fault fault(FaultKind::kDraining,
-                fmt::format("Nothing was heard from the server for {:g} s.",
-                            std::chrono::duration<double>(options_.silence).count()));
+    Fault fault(FaultKind::kDraining, fmt::format("Nothing was heard from the server for {:g} s.",
+                                                  Seconds(options_.silence)));
     return Fail(fault.Detail(std::string(kGrpcCodeDetail), "UNAVAILABLE"));
   }
   if (!call.status().ok()) return Fail(FaultOf(call.status()));
-  return {};
+  if (!awaited_.oldest()) return {};
+  return Fail(
+      internal::BadAnswer("The server ended the stream early: what was sent on it has no answer."));
 }
 
 Result<std::optional<StreamEvent>> DeformStream::Impl::Read() {
@@ -152,13 +144,18 @@ Result<std::optional<StreamEvent>> DeformStream::Impl::Read() {
       if (end_ && !*end_) return Fail(end_->error());
       if (end_) return std::optional<StreamEvent>();
       call = call_;
+      if (!waiting_since_) waiting_since_ = Clock::now();
     }
     v1::StreamDeformResponse response;
     bool lost = false;
     Status end;
     if (Next(*call, &response)) {
       auto event = EventOf(response);
-      if (event && *event) return event;
+      if (event && *event) {
+        const MutexLock lock(&mutex_);
+        waiting_since_.reset();
+        return event;
+      }
       if (event) continue;
       call->Cancel();
       lost = internal::IsFull(event.error());
@@ -177,7 +174,6 @@ Result<std::optional<StreamEvent>> DeformStream::Impl::Read() {
 }
 
 bool DeformStream::Impl::Known(std::uint64_t sequence, bool good) {
-  const MutexLock lock(&mutex_);
   const bool seen = log_ && !log_->Answered(sequence, good);
   if (trouble_ && (good || !seen) && sequence >= trouble_->last_said) trouble_.reset();
   return seen;
@@ -187,18 +183,17 @@ Result<std::optional<StreamEvent>> DeformStream::Impl::EventOf(
     const v1::StreamDeformResponse& response) {
   switch (response.payload_case()) {
     case v1::StreamDeformResponse::kShape:
-      if (Known(response.shape().sequence(), true)) return std::optional<StreamEvent>();
-      return FromWire(response.shape()).map([](Shape&& shape) {
-        return std::optional<StreamEvent>(std::move(shape));
-      });
+      return ShapeOf(response.shape());
     case v1::StreamDeformResponse::kError: {
       Fault fault = FaultOf(response.error().status());
+      const MutexLock lock(&mutex_);
+      CHECK_OK(awaited_.Take(response.error().sequence()));
       // What had worked does not work again: the shapes would be others.
       if (Known(response.error().sequence(), false)) return Fail(std::move(fault));
       return std::optional<StreamEvent>(UpdateError{response.error().sequence(), std::move(fault)});
     }
     case v1::StreamDeformResponse::kPong:
-      return TakePong();
+      return TakePong(response.pong().nonce());
     case v1::StreamDeformResponse::kOpened:
     case v1::StreamDeformResponse::PAYLOAD_NOT_SET:
       break;
@@ -206,9 +201,22 @@ Result<std::optional<StreamEvent>> DeformStream::Impl::EventOf(
   return Fail(FaultKind::kInternal, "The server sent a message that does not belong here.");
 }
 
+Result<std::optional<StreamEvent>> DeformStream::Impl::ShapeOf(const v1::Shape& message) {
+  std::optional<std::size_t> picks;
+  {
+    const MutexLock lock(&mutex_);
+    TRY(picks, awaited_.Take(message.sequence()));
+    if (Known(message.sequence(), true)) return std::optional<StreamEvent>();
+  }
+  TRY(Shape shape, FromWire(message, {options_.shape, mesh_, picks}));
+  // Of a mesh that was never seen, the shapes have at least one size.
+  if (!mesh_) mesh_ = {shape.positions.size(), std::numeric_limits<std::size_t>::max()};
+  return std::optional<StreamEvent>(std::move(shape));
+}
+
 Result<HandleSetInfo> DeformStream::Impl::OpenCall(bool* lost) {
   const auto call = std::make_shared<Call>(*channel_, [this](grpc::ClientContext& context) {
-    internal::Prepare(context, {}, open_message_.session_id());
+    headers_.AddTo(context);
     if (deadline_) context.set_deadline(*deadline_);
   });
   v1::StreamDeformRequest request;
@@ -219,6 +227,7 @@ Result<HandleSetInfo> DeformStream::Impl::OpenCall(bool* lost) {
     const MutexLock lock(&mutex_);
     old = std::exchange(call_, call);
     silent_ = false;
+    waiting_since_ = Clock::now();
     life_.Restart(Clock::now());
     if (cancelled_) call->Cancel();
   }
@@ -226,11 +235,16 @@ Result<HandleSetInfo> DeformStream::Impl::OpenCall(bool* lost) {
   // The server may have much to compute before it has opened; meanwhile it answers pings.
   v1::StreamDeformResponse response;
   while (Next(*call, &response)) {
-    if (response.has_opened()) return FromWire(response.opened().handle_set());
+    if (response.has_opened()) {
+      const v1::HandleSetInfo& set = response.opened().handle_set();
+      TRY(auto info, FromWire(set, {open_message_.handle_set_id()}, sizes_->OfMesh(set.mesh_id())));
+      sizes_->KnowSet(info.id, info.mesh_id);
+      return info;
+    }
     if (!response.has_pong()) {
       return Fail(FaultKind::kInternal, "The server answered before it opened the stream.");
     }
-    TakePong();
+    CHECK_OK(TakePong(response.pong().nonce()));
   }
   CHECK_OK(EndOf(*call, lost));
   return Fail(FaultKind::kInternal, "The server ended the stream without opening it.");
@@ -245,7 +259,7 @@ Result<StreamEvent> DeformStream::Impl::Resume(Fault fault) {
   }
   // Who is lost again before it has caught up comes back neither at once nor for ever.
   const bool again = trouble_ && Clock::now() - trouble_->opened < options_.resume_within;
-  if (!again) trouble_ = Trouble{Clock::now() + options_.resume_within, kFirstPause};
+  if (!again) trouble_ = Trouble{Clock::now() + options_.resume_within, {}};
   for (std::uint32_t attempts = 1;; ++attempts) {
     if (again || attempts > 1) {
       CHECK_OK(Pause(fault));
@@ -265,9 +279,8 @@ Result<StreamEvent> DeformStream::Impl::Resume(Fault fault) {
 }
 
 Status DeformStream::Impl::Pause(const Fault& last) {
-  milliseconds pause = Jittered(trouble_->pause);
+  milliseconds pause = trouble_->backoff.Next();
   if (Clock::now() + pause >= trouble_->until) return Fail(last);
-  trouble_->pause = std::min(2 * trouble_->pause, kLongestPause);
   if (deadline_) {
     const auto left = *deadline_ - WallClock::now();
     pause = std::min(pause, std::chrono::ceil<milliseconds>(left));
@@ -288,6 +301,7 @@ void DeformStream::Impl::SayAgain() {
     trouble_->opened = Clock::now();
     trouble_->last_said = internal::SequenceOf(messages.back());
   }
+  awaited_.Restart(messages, Clock::now());
   for (v1::StreamDeformRequest& message : messages) call_->Push(std::move(message));
   open_ = true;
   for (const std::uint64_t nonce : life_.Unanswered()) SendPing(nonce);
@@ -306,22 +320,47 @@ void DeformStream::Impl::PushPing(std::optional<std::uint64_t> nonce) {
   if (open_ || !nonce) SendPing(nonce.value_or(0));
 }
 
-std::optional<StreamEvent> DeformStream::Impl::TakePong() {
+Result<std::optional<StreamEvent>> DeformStream::Impl::TakePong(std::uint64_t nonce) {
   const MutexLock lock(&mutex_);
-  const std::optional<std::uint64_t> nonce = life_.Answered();
-  if (!nonce) return std::nullopt;
-  return Pong{*nonce};
+  if (!life_.IsDueAnswer(nonce)) {
+    return Fail(internal::BadAnswer("The server answered a ping that was not sent."));
+  }
+  if (!life_.Answered()) return std::optional<StreamEvent>();
+  return std::optional<StreamEvent>(Pong{nonce});
+}
+
+std::optional<Fault> DeformStream::Impl::Overdue(Clock::time_point now) const {
+  const auto fault = [&](const char* what) {
+    return Fault(FaultKind::kDeadlineExceeded,
+                 fmt::format("The server has not {} for {:g} s.", what, Seconds(options_.answer)));
+  };
+  const auto stuck = call_->writing_since();
+  if (stuck && now - *stuck >= options_.answer) return fault("taken a message");
+  if (!waiting_since_ || now - *waiting_since_ < options_.answer) return std::nullopt;
+  if (!open_) return fault("opened the stream");
+  if (const auto oldest = awaited_.oldest()) {
+    if (now - *oldest < options_.answer) return std::nullopt;
+    return fault("answered an update or edit");
+  }
+  if (sending_closed_) return fault("ended the stream");
+  return std::nullopt;
 }
 
 void DeformStream::Impl::Watch() {
-  const auto tick = std::max(std::min(options_.heartbeat, options_.silence) / 2, milliseconds(1));
+  const bool asks = options_.heartbeat.count() > 0;
+  const milliseconds shortest =
+      asks ? std::min({options_.heartbeat, options_.silence, options_.answer}) : options_.answer;
+  const auto tick = std::clamp(shortest / 2, milliseconds(1), milliseconds(std::chrono::hours(1)));
   const MutexLock lock(&mutex_);
   while (!end_ && !cancelled_) {
     const Clock::time_point now = Clock::now();
-    if (call_ && life_.IsSilent(now)) {
+    if (call_ && asks && life_.IsSilent(now)) {
       silent_ = true;
       call_->Cancel();
-    } else if (call_ && !(open_ && sending_closed_) && life_.IsDue(call_->is_clear(), now)) {
+    } else if (call_ && !overdue_ && (overdue_ = Overdue(now))) {
+      call_->Cancel();
+    } else if (call_ && asks && !(open_ && sending_closed_) &&
+               life_.IsDue(call_->is_clear(), now)) {
       PushPing(std::nullopt);
     }
     const Clock::time_point next = now + tick;

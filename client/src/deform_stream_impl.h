@@ -8,8 +8,13 @@
 #include <thread>
 
 #include "arap/client/deform_stream.h"
+#include "client/src/answers.h"
+#include "client/src/awaited_answers.h"
+#include "client/src/call_headers.h"
 #include "client/src/channel.h"
+#include "client/src/known_sizes.h"
 #include "client/src/replay_log.h"
+#include "client/src/retry.h"
 #include "client/src/signs_of_life.h"
 #include "client/src/stream_call.h"
 #include "core/base/mutex.h"
@@ -21,8 +26,8 @@ namespace arap::client {
 // of its own asks for signs of life.
 class DeformStream::Impl {
  public:
-  Impl(std::shared_ptr<internal::Channel> channel, const StreamOptions& options,
-       const CallOptions& call, v1::OpenStream open);
+  Impl(std::shared_ptr<internal::Channel> channel, std::shared_ptr<internal::KnownSizes> sizes,
+       const StreamOptions& options, const CallOptions& call, v1::OpenStream open);
   ~Impl() { Cancel(); }
 
   // Opens the first call. Once, first.
@@ -42,9 +47,9 @@ class DeformStream::Impl {
   // From a loss until the server has answered what was said again.
   struct Trouble {
     Clock::time_point until;
-    std::chrono::milliseconds pause;  // before trying again
-    Clock::time_point opened = {};    // again, the last time
-    std::uint64_t last_said = 0;      // the sequence
+    internal::Backoff backoff;
+    Clock::time_point opened = {};  // again, the last time
+    std::uint64_t last_said = 0;    // the sequence
   };
 
   bool resumes() const { return options_.resume_within.count() > 0; }
@@ -57,9 +62,11 @@ class DeformStream::Impl {
   Status EndOf(const Call& call, bool* lost);
   // The event of a message; nothing when it is not the user's.
   Result<std::optional<StreamEvent>> EventOf(const v1::StreamDeformResponse& response);
+  Result<std::optional<StreamEvent>> ShapeOf(const v1::Shape& shape);
   // Notes the answer to a sequence. Whether there was one before.
-  bool Known(std::uint64_t sequence, bool good);
-  std::optional<StreamEvent> TakePong();
+  bool Known(std::uint64_t sequence, bool good) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // The event of a pong; nothing when the question was our own. kInternal when there was none.
+  Result<std::optional<StreamEvent>> TakePong(std::uint64_t nonce);
   // Opens again after the loss that `fault` tells of, for as long as the options say. The event, or
   // the last fault.
   Result<StreamEvent> Resume(Fault fault);
@@ -67,18 +74,23 @@ class DeformStream::Impl {
   Status Pause(const Fault& last);
   void SayAgain() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void End(Status status);
-  // Asks for signs of life until the stream ends.
+  // Asks for signs of life, and gives up a call on which nothing happens, until the stream ends.
   void Watch();
+  // Why the call is not to be waited for any longer; nothing as long as it is.
+  std::optional<Fault> Overdue(Clock::time_point now) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Asks now or, the user's, when the call is open; only asks.
   void PushPing(std::optional<std::uint64_t> nonce) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void SendPing(std::uint64_t nonce) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const StreamOptions options_;
   const std::optional<std::chrono::system_clock::time_point> deadline_;
+  const internal::CallHeaders headers_;
   const v1::OpenStream open_message_;
   HandleSetInfo handle_set_;  // set by Open, then constant
   // The reader's own.
   std::shared_ptr<internal::Channel> channel_;
+  const std::shared_ptr<internal::KnownSizes> sizes_;
+  std::optional<internal::MeshSize> mesh_;  // once it is known
   std::optional<Trouble> trouble_;
 
   Mutex mutex_;
@@ -87,7 +99,11 @@ class DeformStream::Impl {
   bool open_ ABSL_GUARDED_BY(mutex_) = false;  // call_ may be pushed on
   bool sending_closed_ ABSL_GUARDED_BY(mutex_) = false;
   bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
-  bool silent_ ABSL_GUARDED_BY(mutex_) = false;  // for so long that call_ was given up
+  bool silent_ ABSL_GUARDED_BY(mutex_) = false;           // for so long that call_ was given up
+  std::optional<Fault> overdue_ ABSL_GUARDED_BY(mutex_);  // why it was given up for good
+  // Since when an opening or an event is waited for; nothing when nobody waits.
+  std::optional<Clock::time_point> waiting_since_ ABSL_GUARDED_BY(mutex_);
+  internal::AwaitedAnswers awaited_ ABSL_GUARDED_BY(mutex_);
   std::optional<internal::ReplayLog> log_ ABSL_GUARDED_BY(mutex_);  // when it resumes
   internal::SignsOfLife life_ ABSL_GUARDED_BY(mutex_);
   std::optional<Status> end_ ABSL_GUARDED_BY(mutex_);  // how the stream ended

@@ -28,6 +28,10 @@ class SignsOfLife {
   // A question goes out: the user's with its nonce, or our own. While the call is not open yet,
   // only our own go out; the user's are kept and come behind them.
   void Ask(std::optional<std::uint64_t> nonce, bool open, Time now);
+  // Whether an answer with this nonce is due. Our own questions have the nonce 0.
+  bool IsDueAnswer(std::uint64_t nonce) const {
+    return !asked_.empty() && asked_.front().value_or(0) == nonce;
+  }
   // An answer came: the nonce of the user's question; nothing for one of our own.
   std::optional<std::uint64_t> Answered();
   // The user's questions without answer, in order.

@@ -1,7 +1,5 @@
 #include "client/src/stream_call.h"
 
-#include <string>
-#include <string_view>
 #include <utility>
 
 namespace arap::client::internal {
@@ -37,6 +35,7 @@ void StreamCall::WriteNext() {
   if (over_ || broken_ || writing_) return;
   if (!unsent_.empty()) {
     writing_ = true;
+    writing_since_ = std::chrono::steady_clock::now();
     StartWrite(&unsent_.front());
   } else if (end_wanted_ && !std::exchange(end_sent_, true)) {
     StartWritesDone();
@@ -52,6 +51,11 @@ bool StreamCall::WaitSent() {
 bool StreamCall::is_clear() const {
   const MutexLock lock(&mutex_);
   return !over_ && !broken_ && unsent_.empty();
+}
+
+std::optional<std::chrono::steady_clock::time_point> StreamCall::writing_since() const {
+  const MutexLock lock(&mutex_);
+  return writing_ ? std::optional(writing_since_) : std::nullopt;
 }
 
 bool StreamCall::Read(Response* response) {
@@ -90,24 +94,5 @@ void StreamCall::OnDone(const grpc::Status& status) {
   // Under the lock: the object may go as soon as it is let go of.
   changed_.SignalAll();
 }
-
-bool IsLost(const grpc::Status& status) {
-  const auto says = [&](std::string_view words) {
-    return status.error_message().find(words) != std::string::npos;
-  };
-  switch (status.error_code()) {
-    case grpc::StatusCode::UNAVAILABLE:
-    case grpc::StatusCode::CANCELLED:  // a server that stops, haproxy
-      return true;
-    case grpc::StatusCode::UNKNOWN:
-      return says("No status received");
-    case grpc::StatusCode::INTERNAL:
-      return says("RST_STREAM");
-    default:
-      return false;
-  }
-}
-
-bool IsFull(const Fault& fault) { return DetailOf(fault, kGrpcCodeDetail) == "RESOURCE_EXHAUSTED"; }
 
 }  // namespace arap::client::internal

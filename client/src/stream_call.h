@@ -1,7 +1,9 @@
 // StreamCall: one StreamDeform call, from its start to its end.
 #pragma once
 
+#include <chrono>
 #include <deque>
+#include <optional>
 
 #include <grpcpp/grpcpp.h>
 
@@ -39,6 +41,8 @@ class StreamCall final
   // when the call is over.
   bool WaitSent();
   bool is_clear() const;  // whether it would answer true, and at once
+  // Since when the transport has not taken the message that it has; nothing when it has none.
+  std::optional<std::chrono::steady_clock::time_point> writing_since() const;
 
   // Waits for the next message. False when the call has ended: then status() tells how.
   bool Read(Response* response);
@@ -61,6 +65,7 @@ class StreamCall final
   // The first one is being written while writing_.
   std::deque<Request> unsent_ ABSL_GUARDED_BY(mutex_);
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
+  std::chrono::steady_clock::time_point writing_since_ ABSL_GUARDED_BY(mutex_);
   bool end_wanted_ ABSL_GUARDED_BY(mutex_) = false;  // of sending
   bool end_sent_ ABSL_GUARDED_BY(mutex_) = false;
   bool broken_ ABSL_GUARDED_BY(mutex_) = false;  // a write has failed
@@ -71,12 +76,5 @@ class StreamCall final
   bool done_ ABSL_GUARDED_BY(mutex_) = false;
   grpc::Status status_;  // set with done_, then constant
 };
-
-// Whether a stream that ended so, and that we did not cancel, was lost and may go on elsewhere: its
-// server is gone or going away, or a proxy says so in its own words.
-bool IsLost(const grpc::Status& status);
-
-// Whether there was no room, and later may be.
-bool IsFull(const Fault& fault);
 
 }  // namespace arap::client::internal

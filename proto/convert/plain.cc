@@ -31,6 +31,12 @@ Status Pack(std::span<const Complex> points, Array<Number>* out) {
   return Fail(FaultKind::kNumerical, "A position of the result is not finite in this precision.");
 }
 
+// What 64 bits can say in nanoseconds, some 290 years, whatever was sent.
+nanoseconds Within(std::int64_t whole, std::int32_t rest) {
+  constexpr std::int64_t kMost = 9'000'000'000;
+  return seconds(std::clamp(whole, -kMost, kMost)) + nanoseconds(rest);
+}
+
 template <class Message>
 void Set(seconds whole, nanoseconds rest, Message* out) {
   out->set_seconds(whole.count());
@@ -60,7 +66,7 @@ Status CheckGroups(int length, int group, const std::string& field) {
 }
 
 nanoseconds FromWire(const google::protobuf::Duration& duration) {
-  return seconds(duration.seconds()) + nanoseconds(duration.nanos());
+  return Within(duration.seconds(), duration.nanos());
 }
 
 void ToWire(nanoseconds duration, google::protobuf::Duration* out) {
@@ -69,7 +75,7 @@ void ToWire(nanoseconds duration, google::protobuf::Duration* out) {
 }
 
 WallTime FromWire(const google::protobuf::Timestamp& time) {
-  const auto since = seconds(time.seconds()) + nanoseconds(time.nanos());
+  const nanoseconds since = Within(time.seconds(), time.nanos());
   return WallTime(std::chrono::duration_cast<WallTime::duration>(since));
 }
 

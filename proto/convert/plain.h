@@ -90,6 +90,7 @@ Status CheckGroups(int length, int group, const std::string& field);
 
 using WallTime = std::chrono::system_clock::time_point;
 
+// Times of more than 285 years, or that long before or after 1970, are cut to that.
 std::chrono::nanoseconds FromWire(const google::protobuf::Duration& duration);
 void ToWire(std::chrono::nanoseconds duration, google::protobuf::Duration* out);
 

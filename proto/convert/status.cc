@@ -13,6 +13,8 @@
 #include <google/rpc/status.pb.h>
 #include <grpcpp/support/status.h>
 
+#include "proto/convert/plain.h"
+
 namespace arap::convert {
 namespace {
 
@@ -69,7 +71,8 @@ void Read(const google::rpc::ErrorInfo& info, Fault& fault) {
 }
 
 std::string Milliseconds(const google::protobuf::Duration& duration) {
-  return std::to_string(duration.seconds() * 1000 + duration.nanos() / 1'000'000);
+  using std::chrono::milliseconds;
+  return std::to_string(std::chrono::duration_cast<milliseconds>(FromWire(duration)).count());
 }
 
 }  // namespace

@@ -34,7 +34,10 @@ std::string ScriptedServer::address() const { return "127.0.0.1:" + std::to_stri
 
 void ScriptedServer::Open(Stream& stream) {
   Response response;
-  response.mutable_opened()->mutable_handle_set()->set_revision(1);
+  v1::HandleSetInfo& set = *response.mutable_opened()->mutable_handle_set();
+  set.set_handle_set_id("h");
+  set.set_mesh_id("m");
+  set.set_revision(1);
   stream.Write(response);
 }
 
@@ -55,6 +58,7 @@ std::uint64_t SequenceOf(const ScriptedServer::Request& request) {
 void ScriptedServer::Shape(Stream& stream, const Request& request) {
   Response response;
   response.mutable_shape()->set_sequence(SequenceOf(request));
+  response.mutable_shape()->mutable_positions()->Resize(6, 0);
   stream.Write(response);
 }
 

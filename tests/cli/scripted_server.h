@@ -25,7 +25,8 @@ class ScriptedServer {
 
   std::string address() const;
 
-  // Pieces of scripts. The first says that the stream is open, the others answer `request`.
+  // Pieces of scripts. The first says that the stream is open, on the handle set "h"; the others
+  // answer `request`, with three vertices.
   static void Open(Stream& stream);
   static void Pong(Stream& stream, const Request& request);
   static void Shape(Stream& stream, const Request& request);

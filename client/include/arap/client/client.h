@@ -8,7 +8,8 @@
 //   auto shape = session->Deform("set", targets);
 //
 // A Client is a value: copies share the connection. All members may be called from any thread at
-// the same time. Calls block until the answer is there; call.h says what an error holds.
+// the same time. Calls block until the answer is there or their time is over; call.h says for how
+// long, what is made again, and what an error holds.
 #pragma once
 
 #include <chrono>
@@ -85,6 +86,7 @@ class Client {
   // Waits until the connection stands. kDeadlineExceeded after `timeout`.
   Status WaitReady(std::chrono::milliseconds timeout) const;
 
+  // Within kQuickLimit, as the other calls here but Flatten.
   Result<ServerInfo> GetServerInfo(const CallOptions& call = {}) const;
 
   // Opens a session on the server. Repeating it with the same id and arguments is harmless.
@@ -96,7 +98,7 @@ class Client {
   Result<SessionPage> ListSessions(std::uint32_t page_size = 0, const std::string& page_token = {},
                                    const CallOptions& call = {}) const;
 
-  // Flattens a surface, true to size. Stateless: needs no session.
+  // Flattens a surface, true to size. Stateless: needs no session. Within kWorkLimit.
   Result<FlatSurface> Flatten(const SurfaceMesh& mesh, const FlattenQuery& query = {},
                               const CallOptions& call = {}) const;
 

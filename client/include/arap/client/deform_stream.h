@@ -47,6 +47,12 @@ struct StreamOptions {
   // be asked. Ignored when heartbeat is 0.
   std::chrono::milliseconds silence = std::chrono::seconds(30);
 
+  // For how long an opening, an update, an edit or the end may be without answer while somebody
+  // reads, and a message without being taken while somebody sends it, whatever signs of life there
+  // are. The stream then ends with kDeadlineExceeded. Longer than the longest frame and the longest
+  // edit.
+  std::chrono::milliseconds answer = kWorkLimit;
+
   // For how long a stream that was lost is opened again and again, growing pauses of up to 2 s
   // apart, until the server has caught up; 0: not at all. An attempt under way is not cut short; it
   // ends with an answer or after `silence`. Lost is what ended with the server gone or going away:
@@ -106,8 +112,10 @@ class DeformStream {
   // Says that nothing more will be sent. The server answers what is pending and ends the stream.
   Status CloseSending();
 
-  // Waits for the next event. Empty: the stream ended well. A fault: it is broken, or could not be
-  // resumed in time; reads after either repeat it.
+  // Waits for the next event. Empty: the stream ended well. A fault: it is broken, the server sent
+  // what was not asked for (kInternal), or it could not be resumed in time; reads after either
+  // repeat it. A shape answers an update or edit that was sent, in their order, with as many
+  // vertices as the mesh has (or as the first shape, of a mesh that the session has never seen).
   Result<std::optional<StreamEvent>> Read();
 
   // Ends the stream at once; a waiting Read answers kCancelled.

@@ -3,6 +3,13 @@
 // A Session is a value that names the session; copies name the same one, and dropping it leaves the
 // session on the server. All members may be called from any thread at the same time. Every call
 // sends the id as the header "x-session-id", by which a load balancer finds the replica.
+//
+// Copies remember together the sizes of the meshes that they have registered or got, and every shape
+// must have as many vertices as its mesh. Of a mesh that they have never seen (another program has
+// registered it) shapes may be of any size: GetMesh first, or compare it yourself.
+//
+// RegisterMesh, CompileHandles, EditHandles and Deform take kWorkLimit at most, unless CallOptions
+// say otherwise, everything else kQuickLimit; call.h says which are made again when they are lost.
 #pragma once
 
 #include <chrono>
@@ -23,7 +30,8 @@ namespace arap::client {
 
 namespace internal {
 class Channel;
-}
+class KnownSizes;
+}  // namespace internal
 
 struct SessionInfo {
   std::string id;
@@ -73,7 +81,9 @@ class Session {
                        const CallOptions& call = {}) const;
 
   // A whole track: a target per handle in every frame, in the order of `handle_ids`, which names
-  // every handle of the set once. `on_frame` runs on the calling thread, once per frame.
+  // every handle of the set once. `on_frame` runs on the calling thread, once per frame and in
+  // their order, and never for more frames than were asked for; a server that ends early is
+  // kInternal. A frame that takes longer than kWorkLimit ends the track with kDeadlineExceeded.
   Status DeformTrack(const std::string& handle_set_id, std::span<const std::string> handle_ids,
                      std::span<const std::vector<Target>> frames, const ShapeOptions& options,
                      const FrameCallback& on_frame, const CallOptions& call = {}) const;
@@ -90,6 +100,7 @@ class Session {
 
   std::shared_ptr<internal::Channel> channel_;
   std::string id_;
+  std::shared_ptr<internal::KnownSizes> sizes_;
 };
 
 }  // namespace arap::client

@@ -1,0 +1,332 @@
+#include "client/src/answers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "arap/v1/deformation_service.pb.h"
+#include "arap/v1/flattening_service.pb.h"
+#include "arap/v1/server_service.pb.h"
+#include "core/base/names.h"
+#include "core/base/try.h"
+#include "proto/convert/flatten.h"
+#include "proto/convert/handles.h"
+#include "proto/convert/limits.h"
+#include "proto/convert/mesh.h"
+#include "proto/convert/plain.h"
+#include "proto/convert/shape.h"
+
+namespace arap::client::internal {
+namespace {
+
+constexpr std::size_t kMostSessionsOfAPage = 1000;
+// A count that is an int in the model.
+constexpr auto kLargestInt = static_cast<std::uint32_t>(std::numeric_limits<int>::max());
+
+template <class... Arguments>
+auto Bad(fmt::format_string<Arguments...> sentence, Arguments&&... arguments) {
+  return Fail(BadAnswer(fmt::format(sentence, std::forward<Arguments>(arguments)...)));
+}
+
+bool IsFinite(Complex point) { return std::isfinite(point.real()) && std::isfinite(point.imag()); }
+
+Status CheckFinite(std::span<const Complex> points, const char* what) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!IsFinite(points[i])) return Bad("The server answered {} {} that is not finite.", what, i);
+  }
+  return {};
+}
+
+Status CheckNumbers(std::initializer_list<double> numbers, const char* what) {
+  const bool finite = std::all_of(numbers.begin(), numbers.end(),
+                                  [](double number) { return std::isfinite(number); });
+  if (!finite) return Bad("The server answered a number of {} that is not finite.", what);
+  return {};
+}
+
+// `what` says what there are so many of, `expected` of them being right.
+Status CheckCount(std::size_t count, std::size_t expected, const char* what) {
+  if (count == expected) return {};
+  return Bad("The server answered {} {}, not {}.", count, what, expected);
+}
+
+template <class Indices>
+Status CheckIndices(const Indices& indices, std::size_t limit, const char* what) {
+  for (const std::uint32_t index : indices) {
+    if (index >= limit) {
+      return Bad("The server answered {} {}, but there are only {}.", what, index, limit);
+    }
+  }
+  return {};
+}
+
+Status CheckId(const std::string& id, const std::string& asked, const char* what) {
+  if (asked.empty() ? IsName(id) : id == asked) return {};
+  if (asked.empty()) return Bad("The server answered the {} {}, which is no id.", what, Quote(id));
+  return Bad("The server answered the {} {}, not {}.", what, Quote(id), Quote(asked));
+}
+
+// Every triangle once.
+Status CheckOrder(const std::vector<std::uint32_t>& order) {
+  std::vector<bool> seen(order.size(), false);
+  for (const std::uint32_t triangle : order) {
+    if (triangle >= seen.size() || seen[triangle]) {
+      return Bad("The server answered a drawing order that does not have every triangle once.");
+    }
+    seen[triangle] = true;
+  }
+  return {};
+}
+
+Status CheckPick(const v1::PickResult& pick, std::optional<MeshSize> mesh) {
+  if (!pick.hit()) return {};
+  if (mesh) CHECK_OK(CheckIndices(std::array{pick.triangle()}, mesh->triangles, "triangle"));
+  if (pick.barycentric_size() != 3) return Bad("The server answered a pick without its weights.");
+  return CheckNumbers({pick.rest().x(), pick.rest().y(), pick.barycentric(0), pick.barycentric(1),
+                       pick.barycentric(2)},
+                      "a pick");
+}
+
+Status CheckDistortion(const Distortion& d, std::size_t triangles) {
+  CHECK_OK(CheckNumbers({d.arap_energy, d.symmetric_dirichlet, d.area_ratio, d.mean_stretch_percent,
+                         d.max_stretch_percent, d.mean_compression_percent,
+                         d.max_compression_percent, d.mean_angle_degrees, d.max_angle_degrees},
+                        "a distortion"));
+  return CheckIndices(std::array{d.worst_triangle}, std::max<std::size_t>(triangles, 1),
+                      "triangle");
+}
+
+Status CheckChart(const FlatChart& chart, std::size_t positions, std::size_t triangles) {
+  for (const auto& loop : chart.loops) {
+    CHECK_OK(CheckIndices(loop, positions, "the flat position"));
+  }
+  CHECK_OK(CheckIndices(chart.anchors, positions, "the flat position"));
+  if (chart.triangles > triangles) {
+    return Bad("The server answered a chart of {} triangles; the mesh has {}.", chart.triangles,
+               triangles);
+  }
+  return CheckDistortion(chart.distortion, triangles);
+}
+
+// Each corner of the layout is a copy of the vertex that it has in the mesh.
+Status CheckCorners(const Flattening& flat, const SurfaceMesh& mesh) {
+  for (std::size_t t = 0; t < flat.corner_uv.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t corner = flat.corner_uv[t][k];
+      if (corner < flat.source.size() && flat.source[corner] == mesh.triangles[t][k]) continue;
+      return Bad(
+          "The server answered a layout in which corner {} of triangle {} is not its vertex.", k,
+          t);
+    }
+  }
+  return {};
+}
+
+Status CheckLayout(const Flattening& flat, const SurfaceMesh& mesh, const FlattenQuery& query) {
+  const std::size_t vertices = mesh.vertices.size(), triangles = mesh.triangles.size();
+  if (flat.uv.size() < vertices) {
+    return Bad("The server answered {} flat positions for {} vertices.", flat.uv.size(), vertices);
+  }
+  const std::size_t positions = flat.uv.size();
+  CHECK_OK(CheckCount(flat.source.size(), positions, "vertices of flat positions"));
+  CHECK_OK(CheckIndices(flat.source, vertices, "vertex"));
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    if (flat.source[v] != v)
+      return Bad("The server answered flat position {} out of its place.", v);
+  }
+  CHECK_OK(CheckCount(flat.corner_uv.size(), triangles, "flat triangles"));
+  CHECK_OK(CheckCorners(flat, mesh));
+  CHECK_OK(CheckFinite(flat.uv, "the flat position"));
+  CHECK_OK(CheckCount(flat.first_step.size(), query.first_step ? positions : 0,
+                      "positions after the first step"));
+  CHECK_OK(CheckFinite(flat.first_step, "the first step's position"));
+  CHECK_OK(CheckCount(flat.singular_values.size(), query.singular_values ? triangles : 0,
+                      "pairs of singular values"));
+  for (const auto& [s1, s2] : flat.singular_values) {
+    CHECK_OK(CheckNumbers({s1, s2}, "the singular values"));
+  }
+  CHECK_OK(CheckCount(flat.triangle_chart.size(), triangles, "triangles with a chart"));
+  CHECK_OK(CheckIndices(flat.triangle_chart, flat.charts.size(), "chart"));
+  for (const FlatChart& chart : flat.charts) CHECK_OK(CheckChart(chart, positions, triangles));
+  for (const auto& cut : flat.cuts) CHECK_OK(CheckIndices(cut, vertices, "vertex"));
+  if (flat.auto_cuts > flat.cuts.size()) {
+    return Bad("The server answered {} automatic cuts of {}.", flat.auto_cuts, flat.cuts.size());
+  }
+  CHECK_OK(CheckIndices(flat.degenerate, triangles, "triangle"));
+  return CheckDistortion(flat.distortion, triangles);
+}
+
+}  // namespace
+
+Fault BadAnswer(std::string sentence) { return {FaultKind::kInternal, std::move(sentence)}; }
+
+void ToWire(const ShapeOptions& options, v1::DeformOptions* out) {
+  convert::ToWire(options.deform, out);
+  out->set_float64(options.float64);
+  out->set_include_flipped_ids(options.flipped_ids);
+}
+
+Result<Shape> FromWire(const v1::Shape& shape, const ShapeQuestion& asked) {
+  const bool other =
+      asked.options.float64 ? shape.positions_size() > 0 : shape.positions64_size() > 0;
+  if (other) return Bad("The server answered a shape in another precision than was asked.");
+  Shape out;
+  TRY(out.positions, convert::PositionsFromWire(shape));
+  if (asked.mesh && out.positions.size() != asked.mesh->vertices) {
+    return Bad("The server answered a shape of {} vertices; the mesh has {}.", out.positions.size(),
+               asked.mesh->vertices);
+  }
+  if (out.positions.empty()) return Bad("The server answered an empty shape.");
+  CHECK_OK(CheckFinite(out.positions, "the position of vertex"));
+  out.quality = convert::QualityFromWire(shape);
+  CHECK_OK(CheckNumbers({out.quality.worst_handle_error, out.quality.energy,
+                         out.quality.mean_stretch, out.quality.max_stretch},
+                        "the quality of a shape"));
+  out.worst_handle_id = shape.worst_handle_id();
+  if (!out.worst_handle_id.empty()) CHECK_OK(CheckId(out.worst_handle_id, {}, "handle"));
+  out.flipped_ids = convert::Values<std::uint32_t>(shape.flipped_ids());
+  if (!asked.options.flipped_ids) {
+    CHECK_OK(CheckCount(out.flipped_ids.size(), 0, "flipped triangles"));
+  } else if (asked.mesh) {
+    CHECK_OK(CheckIndices(out.flipped_ids, asked.mesh->triangles, "triangle"));
+    if (out.flipped_ids.size() > asked.mesh->triangles) {
+      return Bad("The server answered more flipped triangles than there are triangles.");
+    }
+  }
+  const auto picks = static_cast<std::size_t>(shape.picks_size());
+  CHECK_OK(CheckCount(picks, asked.picks.value_or(std::min(picks, convert::kMaxPicks)), "picks"));
+  for (const v1::PickResult& pick : shape.picks()) {
+    CHECK_OK(CheckPick(pick, asked.mesh));
+    out.picks.push_back(convert::FromWire(pick));
+  }
+  out.sequence = shape.sequence();
+  out.replaced = shape.replaced();
+  out.handle_set_revision = shape.handle_set_revision();
+  out.queue_micros = shape.queue_micros();
+  out.solve_micros = shape.solve_micros();
+  return out;
+}
+
+Result<MeshInfo> FromWire(const v1::MeshInfo& mesh, const std::string& mesh_id,
+                          const PlanarMesh* sent) {
+  CHECK_OK(CheckId(mesh.mesh_id(), mesh_id, "mesh"));
+  if (sent != nullptr) {
+    CHECK_OK(CheckCount(mesh.vertex_count(), sent->vertices.size(), "vertices"));
+    CHECK_OK(CheckCount(mesh.triangle_count(), sent->triangles.size(), "triangles"));
+  }
+  CHECK_OK(CheckNumbers({mesh.area(), mesh.diagonal()}, "a mesh"));
+  MeshInfo out;
+  out.id = mesh.mesh_id();
+  out.content_hash = mesh.content_hash();
+  out.report = convert::ReportFromWire(mesh);
+  if (auto energy = convert::FromWire(mesh.energy(), EnergyOptions{})) out.energy = *energy;
+  return out;
+}
+
+Result<HandleSetInfo> FromWire(const v1::HandleSetInfo& set, const SetQuestion& asked,
+                               std::optional<MeshSize> mesh) {
+  CHECK_OK(CheckId(set.handle_set_id(), asked.id, "handle set"));
+  CHECK_OK(CheckId(set.mesh_id(), asked.mesh_id, "mesh"));
+  HandleSetInfo out;
+  out.id = set.handle_set_id();
+  out.mesh_id = set.mesh_id();
+  std::set<std::string_view> ids;
+  for (const v1::HandleInfo& handle : set.handles()) {
+    CHECK_OK(CheckId(handle.handle_id(), {}, "handle"));
+    if (!ids.insert(handle.handle_id()).second) {
+      return Bad("The server answered the handle {} twice.", Quote(handle.handle_id()));
+    }
+    CHECK_OK(CheckNumbers({handle.rest().x(), handle.rest().y(), handle.snapped_distance()},
+                          "a handle"));
+    out.handles.push_back(convert::FromWire(handle));
+  }
+  const std::size_t count = out.handles.size(), last = asked.last.size();
+  if (count < last || (asked.all && count != last)) {
+    return Bad("The server answered a set of {} handles; {} were sent.", count, last);
+  }
+  for (std::size_t i = 0; i < last; ++i) {
+    CHECK_OK(CheckId(out.handles[count - last + i].handle.id, asked.last[i].id, "handle"));
+  }
+  out.row_count = set.row_count();
+  out.bytes = set.bytes();
+  out.warnings = convert::FromWire(set.warnings());
+  out.depth = convert::Values<double>(set.depth());
+  for (const double depth : out.depth) CHECK_OK(CheckNumbers({depth}, "the depths"));
+  out.draw_order = convert::Values<std::uint32_t>(set.draw_order());
+  CHECK_OK(CheckOrder(out.draw_order));
+  if (mesh && !out.depth.empty()) CHECK_OK(CheckCount(out.depth.size(), mesh->vertices, "depths"));
+  if (mesh && !out.draw_order.empty()) {
+    CHECK_OK(CheckCount(out.draw_order.size(), mesh->triangles, "triangles in drawing order"));
+  }
+  out.revision = set.revision();
+  out.resting_components = set.resting_components();
+  out.translating_components = set.translating_components();
+  return out;
+}
+
+Result<SessionInfo> FromWire(const v1::Session& session, const std::string& id) {
+  CHECK_OK(CheckId(session.session_id(), id, "session"));
+  SessionInfo out;
+  out.id = session.session_id();
+  out.create_time = convert::FromWire(session.create_time());
+  out.expire_time = convert::FromWire(session.expire_time());
+  out.ttl = convert::FromWire(session.ttl());
+  out.labels.insert(session.labels().begin(), session.labels().end());
+  for (const std::string& mesh : session.mesh_ids()) {
+    CHECK_OK(CheckId(mesh, {}, "mesh"));
+    out.mesh_ids.push_back(mesh);
+  }
+  for (const std::string& set : session.handle_set_ids()) {
+    CHECK_OK(CheckId(set, {}, "handle set"));
+    out.handle_set_ids.push_back(set);
+  }
+  return out;
+}
+
+Result<SessionPage> FromWire(const v1::ListSessionsResponse& response, std::uint32_t page_size,
+                             const std::string& page_token) {
+  const std::size_t most = page_size == 0 ? kMostSessionsOfAPage : page_size;
+  const auto count = static_cast<std::size_t>(response.sessions_size());
+  if (count > most) return Bad("The server answered {} sessions; {} were asked.", count, most);
+  SessionPage page;
+  for (const v1::Session& session : response.sessions()) {
+    TRY(page.sessions.emplace_back(), FromWire(session, {}));
+  }
+  page.next_page_token = response.next_page_token();
+  if (!page.next_page_token.empty() && page.next_page_token == page_token) {
+    return Bad("The server answered a page of sessions that leads back to itself.");
+  }
+  return page;
+}
+
+ServerInfo FromWire(const v1::GetServerInfoResponse& response) {
+  ServerInfo out;
+  out.version = response.version();
+  out.limits = convert::FromWire(response.limits());
+  out.capabilities.assign(response.capabilities().begin(), response.capabilities().end());
+  out.workers = response.workers();
+  return out;
+}
+
+Result<FlatSurface> FromWire(const v1::FlattenResponse& response, const SurfaceMesh& mesh,
+                             const FlattenQuery& query) {
+  const bool other = query.float64 ? response.uv_size() > 0 : response.uv64_size() > 0;
+  if (other) return Bad("The server answered a layout in another precision than was asked.");
+  for (const v1::FlatChart& chart : response.charts()) {
+    if (chart.refinements() > kLargestInt) {
+      return Bad("The server answered a chart of {} refinements.", chart.refinements());
+    }
+  }
+  TRY(Flattening flat, convert::FromWire(response));
+  CHECK_OK(CheckLayout(flat, mesh, query));
+  return FlatSurface{std::move(flat), response.surface_cached(),
+                     convert::Micros(response.queue_time()),
+                     convert::Micros(response.solve_time())};
+}
+
+}  // namespace arap::client::internal

@@ -1,0 +1,72 @@
+// Answers: what a server sent, checked once against what was asked, as the values that the client
+// library shows.
+//
+// Nothing of an answer is used before it was checked here, for a server may be broken, of another
+// version or not ours at all. Faults: kInternal, with a sentence that says what does not fit.
+// Numbers that only tell (times, counts of warnings, bytes) are taken as they are; every length,
+// index, id and coordinate is checked.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "arap/base/result.h"
+#include "arap/client/client.h"
+#include "client/src/known_sizes.h"
+
+namespace arap::v1 {
+class DeformOptions;
+class FlattenResponse;
+class GetServerInfoResponse;
+class HandleSetInfo;
+class ListSessionsResponse;
+class MeshInfo;
+class Session;
+class Shape;
+}  // namespace arap::v1
+
+namespace arap::client::internal {
+
+// What a shape was asked to be.
+struct ShapeQuestion {
+  ShapeOptions options;
+  std::optional<MeshSize> mesh;  // when it is known
+  // As many as were asked; nothing when that is not known any more, but for the limit of picks.
+  std::optional<std::size_t> picks = 0;
+};
+Result<Shape> FromWire(const v1::Shape& shape, const ShapeQuestion& asked);
+void ToWire(const ShapeOptions& options, v1::DeformOptions* out);
+
+// `mesh_id` and `sent` are what was asked for; an empty id and no mesh stand for any.
+Result<MeshInfo> FromWire(const v1::MeshInfo& mesh, const std::string& mesh_id,
+                          const PlanarMesh* sent);
+
+// The set has this id; `mesh_id` unless that is empty; and behind other handles those of `last`, or
+// just those when `all`.
+struct SetQuestion {
+  std::string id;
+  std::string mesh_id = {};
+  std::span<const Handle> last = {};
+  bool all = false;
+};
+Result<HandleSetInfo> FromWire(const v1::HandleSetInfo& set, const SetQuestion& asked,
+                               std::optional<MeshSize> mesh);
+
+// A session of that id, or of any when it is empty.
+Result<SessionInfo> FromWire(const v1::Session& session, const std::string& id);
+// At most `page_size` sessions (0: at most 1000) and another token than the one that was sent.
+Result<SessionPage> FromWire(const v1::ListSessionsResponse& response, std::uint32_t page_size,
+                             const std::string& page_token);
+ServerInfo FromWire(const v1::GetServerInfoResponse& response);
+
+// A layout of that mesh with all that was asked for.
+Result<FlatSurface> FromWire(const v1::FlattenResponse& response, const SurfaceMesh& mesh,
+                             const FlattenQuery& query);
+
+// A fault of that kind, for what streams and tracks check themselves.
+Fault BadAnswer(std::string sentence);
+
+}  // namespace arap::client::internal

@@ -1,0 +1,75 @@
+// When a call is made again: what counts as lost, how long to wait, and the unary call that does so.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include <grpcpp/client_context.h>
+#include <grpcpp/support/status.h>
+
+#include "arap/client/call.h"
+#include "proto/convert/status.h"
+
+namespace arap::client::internal {
+
+// Whether a call that ended so, and that we did not cancel, was lost and may do better elsewhere:
+// its server is gone or going away, or a proxy says so in its own words.
+bool IsLost(const grpc::Status& status);
+
+// Whether there was no room, and later may be.
+bool IsFull(const Fault& fault);
+
+// Pauses before another attempt: from 50 ms on twice as long each time, up to 2 s, and between half
+// of that and all of it, so that the clients of a server that died do not come back all at once.
+class Backoff {
+ public:
+  std::chrono::milliseconds Next();
+
+ private:
+  std::chrono::milliseconds next_{50};
+};
+
+// What repeating a call does to the server.
+enum class Repeat {
+  kHarmless,  // nothing that one call would not do
+  kRemoval,   // what is gone already is not found: after a lost answer that counts as done
+  kNever,     // it would be done twice: only a call that was surely not carried out is made again
+};
+
+// What a method is by default.
+struct Method {
+  Repeat repeat = Repeat::kHarmless;
+  std::chrono::milliseconds limit{};
+};
+inline constexpr Method kLookUp{Repeat::kHarmless, kQuickLimit};
+inline constexpr Method kWork{Repeat::kHarmless, kWorkLimit};
+inline constexpr Method kRemove{Repeat::kRemoval, kQuickLimit};
+inline constexpr Method kChange{Repeat::kNever, kWorkLimit};
+
+// The deadline of a call that begins now; nothing for kNoLimit.
+std::optional<std::chrono::system_clock::time_point> DeadlineOf(const CallOptions& call,
+                                                                std::chrono::milliseconds limit);
+
+// Makes the call, and again as the method allows; `attempt` makes it once.
+Status MakeCall(const Method& method, const CallOptions& call, const std::string& session_id,
+                const std::function<grpc::Status(grpc::ClientContext&)>& attempt);
+
+// One unary call: `function` is the stub's.
+template <class Stub, class Request, class Response>
+Result<Response> Call(Stub& stub,
+                      grpc::Status (Stub::*function)(grpc::ClientContext*, const Request&,
+                                                     Response*),
+                      const Request& request, const Method& method, const CallOptions& call,
+                      const std::string& session_id = {}) {
+  Response response;
+  return MakeCall(method, call, session_id,
+                  [&](grpc::ClientContext& context) {
+                    response.Clear();
+                    return (stub.*function)(&context, request, &response);
+                  })
+      .map([&] { return std::move(response); });
+}
+
+}  // namespace arap::client::internal

@@ -1,0 +1,132 @@
+// Session::DeformTrack: the frames of a track, each checked as it comes.
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+#include <grpcpp/client_context.h>
+
+#include "arap/client/session.h"
+#include "client/src/answers.h"
+#include "client/src/call_headers.h"
+#include "client/src/channel.h"
+#include "client/src/retry.h"
+#include "core/base/try.h"
+#include "proto/convert/handles.h"
+
+namespace arap::client {
+namespace {
+
+// Cancels a call when nothing has come for `limit` while it was waited for.
+class Impatience {
+ public:
+  Impatience(grpc::ClientContext& context, std::chrono::milliseconds limit)
+      : limit_(limit), watch_([this, &context](const std::stop_token& stop) {
+          std::unique_lock lock(mutex_);
+          while (!stop.stop_requested()) {
+            const std::uint64_t seen = changes_;
+            const auto changed = [&] { return changes_ != seen; };
+            if (!waiting_) {
+              changed_.wait(lock, stop, changed);
+            } else if (!changed_.wait_for(lock, stop, limit_, changed) && !stop.stop_requested()) {
+              lost_ = true;
+              context.TryCancel();
+              return;
+            }
+          }
+        }) {}
+
+  void SetWaiting(bool waiting) {
+    const std::lock_guard lock(mutex_);
+    waiting_ = waiting;
+    ++changes_;
+    changed_.notify_all();
+  }
+  bool is_lost() const {
+    const std::lock_guard lock(mutex_);
+    return lost_;
+  }
+
+ private:
+  const std::chrono::milliseconds limit_;
+  mutable std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::uint64_t changes_ = 0;
+  bool waiting_ = false;
+  bool lost_ = false;
+  std::jthread watch_;  // last: it uses all of the above
+};
+
+// The next frame, which has to be the one of this number.
+Result<Shape> FrameOf(const v1::Shape& shape, const internal::ShapeQuestion& asked,
+                      std::size_t frame, std::size_t frames) {
+  if (frame >= frames) {
+    return Fail(internal::BadAnswer(
+        fmt::format("The server answered more frames than the {} of the track.", frames)));
+  }
+  if (shape.sequence() != frame) {
+    return Fail(internal::BadAnswer(fmt::format(
+        "The server answered frame {} of the track where {} was due.", shape.sequence(), frame)));
+  }
+  return internal::FromWire(shape, asked);
+}
+
+}  // namespace
+
+Status Session::DeformTrack(const std::string& handle_set_id,
+                            std::span<const std::string> handle_ids,
+                            std::span<const std::vector<Target>> frames,
+                            const ShapeOptions& options, const FrameCallback& on_frame,
+                            const CallOptions& call) const {
+  v1::DeformTrackRequest request;
+  request.set_session_id(id_);
+  request.set_handle_set_id(handle_set_id);
+  request.mutable_handle_ids()->Add(handle_ids.begin(), handle_ids.end());
+  for (const std::vector<Target>& frame : frames) {
+    convert::ToWire(std::span<const Target>(frame), request.add_frames());
+  }
+  internal::ToWire(options, request.mutable_options());
+
+  grpc::ClientContext context;
+  internal::CallHeaders(id_, call.traceparent).AddTo(context);
+  if (const auto deadline = internal::DeadlineOf(call, kNoLimit)) context.set_deadline(*deadline);
+  const std::stop_callback cancel(call.stop, [&context] { context.TryCancel(); });
+  Impatience impatience(context, kWorkLimit);
+  const auto reader = channel_->deformation().DeformTrack(&context, request);
+  const internal::ShapeQuestion asked{options, sizes_->OfSet(handle_set_id)};
+  std::optional<Fault> stop;
+  v1::DeformTrackResponse response;
+  std::size_t frame = 0;
+  const auto next = [&] {
+    impatience.SetWaiting(true);
+    const bool got = reader->Read(&response);
+    impatience.SetWaiting(false);
+    return got;
+  };
+  // After a stop we still read to the end, so that the call can be finished.
+  while (next()) {
+    if (stop) continue;
+    Result<Shape> shape = FrameOf(response.shape(), asked, frame++, frames.size());
+    if (!shape) {
+      stop = std::move(shape.error());
+    } else if (!on_frame(*std::move(shape))) {
+      stop = Fault(FaultKind::kCancelled, "The caller stopped the track.");
+    }
+    if (stop) context.TryCancel();
+  }
+  const grpc::Status status = reader->Finish();
+  if (stop) return Fail(*std::move(stop));
+  if (impatience.is_lost()) {
+    return Fail(FaultKind::kDeadlineExceeded,
+                fmt::format("Frame {} of the track did not come within {:g} s.", frame,
+                            std::chrono::duration<double>(kWorkLimit).count()));
+  }
+  if (!status.ok()) return Fail(convert::FaultOf(status));
+  if (frame == frames.size()) return {};
+  return Fail(internal::BadAnswer(
+      fmt::format("The server ended the track after {} of {} frames.", frame, frames.size())));
+}
+
+}  // namespace arap::client
