@@ -110,7 +110,10 @@ TEST_F(AnswersTest, ShapesFitTheMesh) {
   ExpectRefused("short", [](v1::Shape& shape) { shape.mutable_positions()->Truncate(6); });
   ExpectRefused("odd", [](v1::Shape& shape) { shape.mutable_positions()->Truncate(7); });
   ExpectRefused("long", [](v1::Shape& shape) { shape.mutable_positions()->Resize(10, 0); });
+  EXPECT_EQ(Deform().error().message, "The server answered a shape of 5 vertices; the mesh has 4.");
   ExpectRefused("infinite", [](v1::Shape& shape) { shape.set_positions(3, kInfinity); });
+  ExpectRefused("no number", [](v1::Shape& shape) { shape.set_positions(2, kNan); });
+  EXPECT_THAT(Deform().error().message, ::testing::HasSubstr("not finite"));
   ExpectRefused("in double precision", [](v1::Shape& shape) { shape.add_positions64(1); });
   ExpectRefused("a quality of NaN", [](v1::Shape& shape) { shape.set_energy(kNan); });
   ExpectRefused("a strange name", [](v1::Shape& shape) { shape.set_worst_handle_id("\x1b[2J"); });
@@ -305,13 +308,17 @@ TEST_F(AnswersTest, LayoutsFitTheSurface) {
   EXPECT_TRUE(refused([](Response& flat) { flat.Clear(); }));
   EXPECT_TRUE(refused([](Response& flat) { flat.mutable_uv()->Truncate(4); }));
   EXPECT_TRUE(refused([](Response& flat) { flat.set_uv(0, kInfinity); }));
+  EXPECT_TRUE(refused([](Response& flat) { flat.set_uv(0, kNan); }));
   EXPECT_TRUE(refused([](Response& flat) { flat.add_uv64(1); }));
   EXPECT_TRUE(refused([](Response& flat) { flat.set_uv_vertex(1, 2); }));
+  EXPECT_TRUE(refused([](Response& flat) { flat.set_uv_vertex(0, 3); }));
   EXPECT_TRUE(refused([](Response& flat) { flat.set_corner_uv(1, 3); }));
+  EXPECT_TRUE(refused([](Response& flat) { flat.clear_corner_uv(); }));
   EXPECT_TRUE(refused([](Response& flat) { flat.mutable_corner_uv()->SwapElements(0, 1); }));
   EXPECT_TRUE(refused([](Response& flat) { flat.clear_first_step_uv(); }));
   EXPECT_TRUE(refused([](Response& flat) { flat.clear_singular_values(); }));
   EXPECT_TRUE(refused([](Response& flat) { flat.clear_charts(); }));
+  EXPECT_TRUE(refused([](Response& flat) { flat.clear_triangle_chart(); }));
   EXPECT_TRUE(refused([](Response& flat) { flat.set_triangle_chart(0, 1); }));
   EXPECT_TRUE(refused(
       [](Response& flat) { flat.mutable_charts(0)->mutable_loops(0)->set_uv_indices(0, 9); }));

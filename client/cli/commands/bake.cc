@@ -10,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/answers.h"
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/stage.h"
 #include "client/cli/patience.h"
@@ -75,21 +74,15 @@ class Baker {
     Status used;
     std::size_t frame = segment.first;
     const client::ShapeOptions how{options_.deform, /*float64=*/true};
-    const Status baked = stage_.session().DeformTrack(
-        kHandleSet, segment.ids, FramesOf(stage_.track(), segment), how,
-        [&](client::Shape&& shape) {
-          patience_.Heard();
-          used = Check(shape, segment, frame);
-          if (used) used = on_shape(frame++, std::move(shape));
-          return used.has_value();
-        },
-        {std::nullopt, stop_.get_token()});
+    const Status baked = stage_.session().DeformTrack(kHandleSet, segment.ids,
+                                                      FramesOf(stage_.track(), segment), how,
+                                                      [&](client::Shape&& shape) {
+                                                        patience_.Heard();
+                                                        used = on_shape(frame++, std::move(shape));
+                                                        return used.has_value();
+                                                      },
+                                                      {std::nullopt, stop_.get_token()});
     if (!used) return used;
-    if (baked && frame != segment.end) {
-      return Fail(FaultKind::kInternal,
-                  fmt::format("The server ended the track after {} of {} frames.",
-                              frame - segment.first, segment.end - segment.first));
-    }
     if (baked) return {};
     return segment.first == 0
                ? Failed({}, baked.error())
@@ -97,14 +90,6 @@ class Baker {
   }
 
  private:
-  // Whether it is the shape of this frame of the track.
-  Status Check(const client::Shape& shape, const TrackSegment& segment, std::size_t frame) const {
-    if (frame >= segment.end || shape.sequence != frame - segment.first || !shape.picks.empty()) {
-      return Fail(FaultKind::kInternal, "The server answered a frame that was not asked for.");
-    }
-    return CheckShape(shape, stage_.mesh().vertices.size());
-  }
-
   client::CallOptions Call() const { return {options_.timeout.value(), stop_.get_token()}; }
 
   tl::unexpected<Fault> Failed(const std::string& where, Fault fault) const {

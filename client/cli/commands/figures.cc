@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/answers.h"
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/lay_flat.h"
 #include "client/cli/connect/connection.h"
@@ -55,7 +54,6 @@ class Puppet {
     const std::vector<HandleTarget> targets = Pose(spread);
     TRY(const client::Shape shape,
         session_.Deform(id, targets, {{mode, 0}, /*float64=*/true}, {}, call));
-    CHECK_OK(CheckShape(shape, mesh_.vertices.size()));
     std::vector<Complex> handles;
     for (const HandleTarget& t : targets) handles.push_back(t.target.position);
     AddPanel(shape.positions, std::move(handles), std::move(label));

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/answers.h"
 #include "client/cli/patience.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
@@ -65,7 +64,6 @@ Result<client::FlatSurface> FlattenWaiting(const client::Client& client, const S
       timeout + kLonger, [&stop] { stop.request_stop(); }, what);
   Result<client::FlatSurface> answer = client.Flatten(mesh, query, {timeout, stop.get_token()});
   if (!answer) return Fail(patience.Explain(answer.error()));
-  CHECK_OK(CheckLayout(answer->flat, mesh));
   return answer;
 }
 

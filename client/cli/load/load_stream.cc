@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/answers.h"
 #include "client/cli/report.h"
 #include "client/cli/sample/planar.h"
 #include "core/base/try.h"
@@ -44,7 +43,7 @@ std::vector<Complex> Targets(const LoadPlan& plan, std::size_t stream, std::uint
 
 // The reply's shape if it is the right one.
 const client::Shape* CheckReply(const Result<std::optional<client::StreamEvent>>& event,
-                                std::uint64_t sequence, std::size_t length, LoadSamples& samples) {
+                                std::uint64_t sequence, LoadSamples& samples) {
   if (!event) {
     Note(event.error(), samples);
     return nullptr;
@@ -60,10 +59,6 @@ const client::Shape* CheckReply(const Result<std::optional<client::StreamEvent>>
   const auto* shape = std::get_if<client::Shape>(&**event);
   if (shape == nullptr || shape->sequence != sequence) {
     NoteBadReply("not the answer to the update", samples);
-    return nullptr;
-  }
-  if (const Status fits = CheckShape(*shape, length); !fits) {
-    NoteBadReply(fits.error().message, samples);
     return nullptr;
   }
   return shape;
@@ -87,7 +82,6 @@ Result<client::DeformStream> OpenStream(const client::Session& session, const Lo
 
 void Drive(client::DeformStream& stream, const LoadPlan& plan, std::size_t index,
            LoadSamples& samples) {
-  const std::size_t length = plan.mesh.vertices.size();
   const Clock::time_point end =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(plan.length);
   client::HandleUpdate update;
@@ -103,7 +97,7 @@ void Drive(client::DeformStream& stream, const LoadPlan& plan, std::size_t index
     (void)stream.Send(update);  // a failure is explained by the read
     const auto event = stream.Read();
     const std::chrono::duration<double, std::micro> took = Clock::now() - sent;
-    const client::Shape* const shape = CheckReply(event, update.sequence, length, samples);
+    const client::Shape* const shape = CheckReply(event, update.sequence, samples);
     if (shape == nullptr) {
       if (!event || !*event) return;  // the stream is over
       continue;
