@@ -224,16 +224,21 @@ int FileBlobStore::ListPlaces(const timespec& now, std::chrono::seconds age,
   return 0;
 }
 
-// These two look again at the age under the lock, which keeps every Put out.
-
-int FileBlobStore::Remove(const Entry& entry, std::chrono::seconds age, SweepReport& report) const {
-  FileLock lock;
+int FileBlobStore::LockOld(const Entry& entry, std::chrono::seconds age, FileLock& lock,
+                           bool& old) const {
   timespec now{};
   int error = FileLock::Take(LockPath(), FileLock::Kind::kExclusive, true, lock);
   if (error == 0) error = Now(now);
   if (error != 0) return error;
   struct stat info {};
-  if (lstat(entry.path.c_str(), &info) != 0 || !IsOld(info, now, age)) return 0;
+  old = lstat(entry.path.c_str(), &info) == 0 && IsOld(info, now, age);
+  return 0;
+}
+
+int FileBlobStore::Remove(const Entry& entry, std::chrono::seconds age, SweepReport& report) const {
+  FileLock lock;
+  bool old = false;
+  if (const int error = LockOld(entry, age, lock, old); error != 0 || !old) return error;
   if (unlink(entry.path.c_str()) != 0) return errno == ENOENT ? 0 : errno;
   ++report.removed;
   report.removed_bytes += entry.bytes;
@@ -243,12 +248,9 @@ int FileBlobStore::Remove(const Entry& entry, std::chrono::seconds age, SweepRep
 int FileBlobStore::SetAside(const Entry& entry, std::chrono::seconds age,
                             SweepReport& report) const {
   FileLock lock;
-  timespec now{};
-  int error = FileLock::Take(LockPath(), FileLock::Kind::kExclusive, true, lock);
-  if (error == 0) error = Now(now);
-  if (error != 0) return error;
-  struct stat info {};
-  if (lstat(entry.path.c_str(), &info) != 0 || !IsOld(info, now, age)) return 0;
+  bool old = false;
+  int error = LockOld(entry, age, lock, old);
+  if (error != 0 || !old) return error;
   // From now on it is counted how long it lies there.
   if (utimensat(AT_FDCWD, entry.path.c_str(), nullptr, AT_SYMLINK_NOFOLLOW) != 0) return errno;
   error = Rename(entry.path, AsidePath() + "/" + entry.name);

@@ -12,6 +12,10 @@
 
 #include "server/store/store.h"
 
+namespace arap {
+class FileLock;
+}
+
 namespace arap::store {
 
 //   ROOT/ab/cd/abcd…   a blob; the folders are the first four digits of its name
@@ -66,6 +70,8 @@ class FileBlobStore final : public BlobStore {
   int List(const std::string& folder, const timespec& now, std::chrono::seconds age,
            std::vector<Entry>& entries) const;
   int ListPlaces(const timespec& now, std::chrono::seconds age, std::vector<Entry>& entries) const;
+  // Takes the lock, which keeps every Put out, and looks at the age again under it.
+  int LockOld(const Entry& entry, std::chrono::seconds age, FileLock& lock, bool& old) const;
   int Remove(const Entry& entry, std::chrono::seconds age, SweepReport& report) const;
   int SetAside(const Entry& entry, std::chrono::seconds age, SweepReport& report) const;
   int BringBack(const std::string& hash) const;
