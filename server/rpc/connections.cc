@@ -136,7 +136,7 @@ Result<Connections::Entry> Connections::Receive(std::string_view peer, Told late
     if (connection.receiving++ == 0) {
       // What came right before the call was known here may be of its request.
       const std::uint64_t now = BytesOf(connection.descriptor);
-      connection.bytes_before = now - std::min(now - std::min(now, connection.bytes_seen), kWindow);
+      connection.bytes_before = std::max(connection.bytes_seen, now - std::min(now, kWindow));
       connection.bytes_complete = 0;
     }
   }
