@@ -97,12 +97,8 @@ grpc::Status Mallory::Compile(const std::string& set, std::span<const v1::Handle
   request.set_mesh_id("m");
   request.set_handle_set_id(set);
   request.mutable_handles()->Assign(handles.begin(), handles.end());
-  v1::CompileHandlesResponse response;
-  grpc::ClientContext context;
-  fault::SetDeadline(context, timeout);
-  const grpc::Status status = client_.deformation().CompileHandles(&context, request, &response);
-  attacker_.Count(status, request.ByteSizeLong());
-  return status;
+  return attacker_.Call(client_.deformation(), &v1::DeformationService::Stub::CompileHandles,
+                        request, timeout);
 }
 
 grpc::Status Mallory::Deform(const std::string& set, std::size_t handles, std::uint32_t refine,
@@ -119,12 +115,8 @@ grpc::Status Mallory::Deform(const std::string& set, std::size_t handles, std::u
     request.add_pick_points(static_cast<double>(i % static_cast<std::size_t>(n_)));
     request.add_pick_points(0.5 + static_cast<double>(i) / static_cast<double>(picks));
   }
-  v1::DeformResponse response;
-  grpc::ClientContext context;
-  fault::SetDeadline(context, timeout);
-  const grpc::Status status = client_.deformation().Deform(&context, request, &response);
-  attacker_.Count(status, request.ByteSizeLong());
-  return status;
+  return attacker_.Call(client_.deformation(), &v1::DeformationService::Stub::Deform, request,
+                        timeout);
 }
 
 }  // namespace arap::attack

@@ -34,6 +34,18 @@ class Attacker {
   }
   // Counts a call, and whether it was refused.
   void Count(const grpc::Status& status, std::size_t bytes = 0);
+  // Makes a unary call whose answer nobody looks at; counted.
+  template <class Stub, class Request, class Response>
+  grpc::Status Call(Stub& stub,
+                    grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
+                    const Request& request, std::chrono::milliseconds timeout) {
+    Response response;
+    grpc::ClientContext context;
+    fault::SetDeadline(context, timeout);
+    const grpc::Status status = (stub.*method)(&context, request, &response);
+    Count(status, request.ByteSizeLong());
+    return status;
+  }
 
   // Runs `work(i)` for 0 to threads − 1, each in a thread, again and again for ever.
   [[noreturn]] void Loop(int threads, const std::function<void(int)>& work);

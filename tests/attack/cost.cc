@@ -64,12 +64,9 @@ void LatticeMesh(Attacker& attacker) {
     request.set_session_id("s");
     request.set_mesh_id("lattice" + std::to_string(i));
     *request.mutable_mesh() = mesh;
-    v1::RegisterMeshResponse response;
-    grpc::ClientContext context;
-    fault::SetDeadline(context, kPatience);
     const grpc::Status status =
-        mallory.client().deformation().RegisterMesh(&context, request, &response);
-    attacker.Count(status, request.ByteSizeLong());
+        attacker.Call(mallory.client().deformation(), &v1::DeformationService::Stub::RegisterMesh,
+                      request, kPatience);
     if (status.ok()) mallory.Compile("h", mallory.Handles(2), kPatience);
   });
 }
@@ -119,11 +116,8 @@ void RefactoringEdits(Attacker& attacker) {
       handle.set_hard(round % 2 == 0);
       handle.set_oriented(round % 3 == 0);
       *request.add_add() = handle;
-      v1::EditHandlesResponse response;
-      grpc::ClientContext context;
-      fault::SetDeadline(context, kPatience);
-      attacker.Count(mallory.client().deformation().EditHandles(&context, request, &response),
-                     request.ByteSizeLong());
+      attacker.Call(mallory.client().deformation(), &v1::DeformationService::Stub::EditHandles,
+                    request, kPatience);
     }
   });
 }
@@ -145,11 +139,7 @@ void ManyCharts(Attacker& attacker) {
   fault::FaultClient client(attacker.address(), attacker.token());
   attacker.Begin();
   attacker.Loop(2, [&](int) {
-    v1::FlattenResponse response;
-    grpc::ClientContext context;
-    fault::SetDeadline(context, kPatience);
-    attacker.Count(client.flattening().Flatten(&context, request, &response),
-                   request.ByteSizeLong());
+    attacker.Call(client.flattening(), &v1::FlatteningService::Stub::Flatten, request, kPatience);
   });
 }
 
@@ -162,11 +152,7 @@ void InjectiveFlatten(Attacker& attacker) {
   fault::FaultClient client(attacker.address(), attacker.token());
   attacker.Begin();
   attacker.Loop(2, [&](int) {
-    v1::FlattenResponse response;
-    grpc::ClientContext context;
-    fault::SetDeadline(context, seconds(2));
-    attacker.Count(client.flattening().Flatten(&context, request, &response),
-                   request.ByteSizeLong());
+    attacker.Call(client.flattening(), &v1::FlatteningService::Stub::Flatten, request, seconds(2));
   });
 }
 

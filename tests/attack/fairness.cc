@@ -118,11 +118,8 @@ void ManyUploads(Attacker& attacker) {
     v1::RegisterMeshRequest mine = request;
     mine.set_mesh_id("m" + std::to_string(i % 14));
     mine.mutable_mesh()->set_vertices(0, -1e-6 * ++number);
-    v1::RegisterMeshResponse response;
-    grpc::ClientContext context;
-    fault::SetDeadline(context, kPatience);
-    attacker.Count(mallory.client().deformation().RegisterMesh(&context, mine, &response),
-                   mine.ByteSizeLong());
+    attacker.Call(mallory.client().deformation(), &v1::DeformationService::Stub::RegisterMesh, mine,
+                  kPatience);
   });
 }
 
@@ -131,11 +128,7 @@ void BigFlattens(Attacker& attacker) {
   fault::FaultClient client(attacker.address(), attacker.token());
   attacker.Begin();
   attacker.Loop(16, [&](int) {
-    v1::FlattenResponse response;
-    grpc::ClientContext context;
-    fault::SetDeadline(context, kPatience);
-    attacker.Count(client.flattening().Flatten(&context, request, &response),
-                   request.ByteSizeLong());
+    attacker.Call(client.flattening(), &v1::FlatteningService::Stub::Flatten, request, kPatience);
   });
 }
 
@@ -153,11 +146,8 @@ void LargeSession(Attacker& attacker) {
     v1::Handle handle = handles[7];
     handle.set_weight(1 + 0.1 * i);
     *request.add_add() = handle;
-    v1::EditHandlesResponse response;
-    grpc::ClientContext context;
-    fault::SetDeadline(context, kPatience);
-    attacker.Count(mallory.client().deformation().EditHandles(&context, request, &response),
-                   request.ByteSizeLong());
+    attacker.Call(mallory.client().deformation(), &v1::DeformationService::Stub::EditHandles,
+                  request, kPatience);
   });
 }
 
@@ -171,11 +161,7 @@ void KeptTriangles(Attacker& attacker) {
     v1::FlattenRequest request =
         wire::RequestFor({{{0, 0, 0}, {1, 0, 0}, {0, 1, 1e-6 * mine}}, {{0, 1, 2}}});
     request.set_surface_key("k" + std::to_string(mine));
-    v1::FlattenResponse response;
-    grpc::ClientContext context;
-    fault::SetDeadline(context, kPatience);
-    attacker.Count(client.flattening().Flatten(&context, request, &response),
-                   request.ByteSizeLong());
+    attacker.Call(client.flattening(), &v1::FlatteningService::Stub::Flatten, request, kPatience);
   });
 }
 
@@ -197,11 +183,8 @@ void AbandonedJobs(Attacker& attacker) {
     v1::RegisterMeshRequest again = request;
     again.set_mesh_id("gone" + std::to_string(mine));
     again.mutable_mesh()->set_vertices(0, -1e-6 * mine);
-    v1::RegisterMeshResponse response;
-    grpc::ClientContext context;
-    fault::SetDeadline(context, milliseconds(50));
-    attacker.Count(mallory.client().deformation().RegisterMesh(&context, again, &response),
-                   again.ByteSizeLong());
+    attacker.Call(mallory.client().deformation(), &v1::DeformationService::Stub::RegisterMesh,
+                  again, milliseconds(50));
   });
 }
 
