@@ -86,6 +86,8 @@ PlanarMesh Strip(std::size_t n) {
   return mesh;
 }
 
+PlanarMesh Square() { return {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {{0, 1, 2}, {0, 2, 3}}}; }
+
 PlanarMesh SingleTriangle() {
   return {{Complex(0, 0), Complex(2, 0.25), Complex(0.5, 1.5)}, {{0, 1, 2}}};
 }

@@ -28,6 +28,8 @@ PlanarMesh TwoComponents(std::size_t nx, std::size_t ny, std::uint64_t seed);
 PlanarMesh Strip(std::size_t n);
 
 PlanarMesh SingleTriangle();
+// The unit square: two triangles, the diagonal from (0, 0).
+PlanarMesh Square();
 
 // The mesh with its vertices and triangles in random order and every triangle started at a random
 // corner.

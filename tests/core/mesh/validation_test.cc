@@ -14,8 +14,6 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-PlanarMesh Square() { return {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {{0, 1, 2}, {0, 2, 3}}}; }
-
 Fault FaultOf(PlanarMesh mesh, const MeshLimits& limits = {}) {
   auto result = ValidatePlanar(mesh, limits);
   EXPECT_FALSE(result.has_value());

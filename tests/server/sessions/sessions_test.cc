@@ -10,21 +10,15 @@
 #include "server/sessions/meshes.h"
 #include "server/sessions/rebuild.h"
 #include "tests/support/fake_clock.h"
+#include "tests/support/meshes.h"
 
 namespace arap::app {
 namespace {
 
 using std::chrono::seconds;
+using testing::Square;
 
-// Two triangles: the unit square.
-PlanarMesh Square() { return {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {{0, 1, 2}, {0, 2, 3}}}; }
-
-Handle AtVertex(const std::string& id, std::uint32_t vertex) {
-  Handle handle;
-  handle.id = id;
-  handle.anchor = VertexAnchor{vertex};
-  return handle;
-}
+Handle AtVertex(const std::string& id, std::uint32_t vertex) { return {id, VertexAnchor{vertex}}; }
 
 class AppTest : public ::testing::Test {
  protected:

@@ -9,19 +9,14 @@
 #include <gtest/gtest.h>
 
 #include "arap/core/registered_mesh.h"
+#include "tests/support/meshes.h"
 
 namespace arap::app {
 namespace {
 
-// Two triangles: the unit square.
-PlanarMesh Square() { return {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {{0, 1, 2}, {0, 2, 3}}}; }
+using testing::Square;
 
-Handle AtVertex(const std::string& id, std::uint32_t vertex) {
-  Handle handle;
-  handle.id = id;
-  handle.anchor = VertexAnchor{vertex};
-  return handle;
-}
+Handle AtVertex(const std::string& id, std::uint32_t vertex) { return {id, VertexAnchor{vertex}}; }
 
 PlacedHandle Placed(const Handle& handle) {
   const auto set = CompiledHandles::Compile(*RegisteredMesh::Register(Square(), {}), {handle});

@@ -21,12 +21,7 @@ struct CountedAnswer final : app::WireAnswer {
   std::size_t& count_;
 };
 
-Handle AtVertex(const char* id, std::uint32_t vertex) {
-  Handle handle;
-  handle.id = id;
-  handle.anchor = VertexAnchor{vertex};
-  return handle;
-}
+Handle AtVertex(const char* id, std::uint32_t vertex) { return {id, VertexAnchor{vertex}}; }
 
 // A grid of so many squares in each direction.
 std::shared_ptr<const RegisteredMesh> Grid(std::uint32_t squares) {
