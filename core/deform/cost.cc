@@ -114,9 +114,12 @@ EditCost EstimateEdit(const CompiledHandles& handles, std::span<const std::strin
     const auto index = handles.Find(id);
     if (!index) continue;
     if (set.handles[*index].handle.depth != 0) ++gone.depths;
-    const auto of_handle =
-        std::ranges::equal_range(set.rows, static_cast<std::uint32_t>(*index), {}, &Row::handle);
-    for (const Row& row : of_handle) CountRow(row, gone);
+    // The rows of a handle stand together, in the order of the handles.
+    for (auto row = std::ranges::lower_bound(set.rows, static_cast<std::uint32_t>(*index), {},
+                                             &Row::handle);
+         row != set.rows.end() && row->handle == *index; ++row) {
+      CountRow(*row, gone);
+    }
   }
   const RowCount after{
       set.count.rows - gone.rows + added.rows, set.count.inside - gone.inside + added.inside,
