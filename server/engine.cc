@@ -1,12 +1,17 @@
 #include "server/engine.h"
 
+#include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include "core/base/try.h"
+#include "server/runtime/metrics.h"
 
 namespace arap::app {
 namespace {
 
+namespace metric = runtime::metric;
+using Kind = runtime::Metrics::Kind;
 using std::chrono::seconds;
 
 constexpr seconds kCollectEvery{60};
@@ -16,6 +21,64 @@ constexpr double kShortFrameSeconds = 0.005;
 constexpr double kShortJobSeconds = 0.05;
 // Long jobs that may stand aside at once, with all the memory that they have asked for.
 constexpr std::size_t kJobsAside = 8;
+
+void WatchLane(runtime::Metrics& metrics, const runtime::WorkerPool& pool) {
+  const runtime::Metrics::Labels labels{{"lane", pool.name()}};
+  const auto watch = [&](const runtime::MetricInfo& info, Kind kind, auto value) {
+    metrics.Watch(info, kind, labels, [&pool, value] { return value(pool.stats()); });
+  };
+  using Stats = runtime::PoolStats;
+  watch(metric::kQueueLength, Kind::kGauge,
+        [](const Stats& stats) { return static_cast<double>(stats.waiting); });
+  watch(metric::kJobsRunning, Kind::kGauge,
+        [](const Stats& stats) { return static_cast<double>(stats.running); });
+  watch(metric::kJobs, Kind::kCounter,
+        [](const Stats& stats) { return static_cast<double>(stats.completed); });
+  watch(metric::kGaveWay, Kind::kCounter,
+        [](const Stats& stats) { return static_cast<double>(stats.gave_way); });
+  watch(metric::kBusySeconds, Kind::kCounter,
+        [](const Stats& stats) { return stats.busy.count(); });
+  watch(metric::kOldestJobSeconds, Kind::kGauge,
+        [](const Stats& stats) { return stats.oldest_running.count(); });
+  metrics.Watch(metric::kWorkers, Kind::kGauge, labels,
+                [&pool] { return static_cast<double>(pool.threads()); });
+}
+
+// Serves lanes, streams, and what the caches hold.
+void Watch(Engine& engine) {
+  runtime::Metrics& metrics = engine.metrics;
+  metrics.Watch(metric::kBuildInfo, Kind::kGauge, {{"version", Version()}}, [] { return 1.0; });
+  for (const runtime::WorkerPool* pool : {&engine.interactive, &engine.control, &engine.jobs}) {
+    WatchLane(metrics, *pool);
+  }
+  metrics.ServeQuota("queue");
+  metrics.Watch(metric::kOpenStreams, Kind::kGauge, {},
+                [&engine] { return static_cast<double>(engine.streams.count()); });
+  metrics.Watch(metric::kSessions, Kind::kGauge, {},
+                [&engine] { return static_cast<double>(engine.sessions.in_memory()); });
+  for (const char* reason : store::kWeaknesses) {
+    metrics.Watch(metric::kStoreWeakness, Kind::kGauge, {{"reason", reason}}, [&engine, reason] {
+      const auto weaknesses = engine.keeper.weaknesses();
+      return std::any_of(weaknesses.begin(), weaknesses.end(),
+                         [reason](const store::Weakness& weakness) {
+                           return std::string_view(weakness.reason) == reason;
+                         })
+                 ? 1.0
+                 : 0.0;
+    });
+  }
+  for (const DerivedKind kind :
+       {DerivedKind::kMesh, DerivedKind::kHandleSet, DerivedKind::kSurface}) {
+    metrics.ServeCache(NameOf(kind));
+    const runtime::Metrics::Labels labels{{"kind", NameOf(kind)}};
+    metrics.Watch(metric::kBytes, Kind::kGauge, labels,
+                  [&engine, kind] { return static_cast<double>(engine.derived.bytes(kind)); });
+    metrics.Watch(metric::kEntries, Kind::kGauge, labels,
+                  [&engine, kind] { return static_cast<double>(engine.derived.entries(kind)); });
+  }
+  metrics.Watch(metric::kAccountedBytes, Kind::kGauge, {},
+                [&engine] { return static_cast<double>(engine.derived.bytes()); });
+}
 
 }  // namespace
 
@@ -48,7 +111,9 @@ Engine::Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::
             .gives_way_to = &interactive,
             .short_seconds = kShortJobSeconds,
             .aside = kJobsAside}),
-      collected_(clock.SteadyNow()) {}
+      collected_(clock.SteadyNow()) {
+  Watch(*this);
+}
 
 Status Engine::Sweep() {
   streams.Sweep(clock.SteadyNow());

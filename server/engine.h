@@ -36,7 +36,7 @@ struct Lanes {
 //                evicted and has to be computed again; between their steps they give way to the
 //                interactive lane, and to one another in turn
 struct Engine : Workshop {
-  // `clock` outlives the engine.
+  // `clock` outlives the engine. Lanes, streams and caches are served by its metrics from now on.
   Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::Clock& clock,
          store::Stores the_stores);
 

@@ -20,8 +20,8 @@
 
 #include "core/base/try.h"
 #include "server/host/listen.h"
-#include "server/host/process_metrics.h"
 #include "server/rpc/methods.h"
+#include "server/runtime/metrics.h"
 
 namespace arap::host {
 namespace {
@@ -135,8 +135,7 @@ Host::Host(const HostOptions& options, std::shared_ptr<const runtime::Clock> clo
   }
   readiness_.WatchStore([this] { return engine_.stores.specs->Probe(); },
                         [this] { return engine_.keeper.weaknesses(); });
-  WatchProcess(engine_.metrics);
-  WatchEngine(engine_);
+  runtime::WatchProcess(engine_.metrics);
   const auto watch = [this](const runtime::MetricInfo& info, runtime::Metrics::Kind kind,
                             std::function<double()> read) {
     engine_.metrics.Watch(info, kind, {}, std::move(read));

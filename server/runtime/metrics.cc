@@ -1,14 +1,20 @@
 #include "server/runtime/metrics.h"
 
 #include <array>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <span>
+#include <system_error>
 
 #include <prometheus/counter.h>
 #include <prometheus/family.h>
 #include <prometheus/histogram.h>
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "core/base/mutex.h"
 
@@ -93,6 +99,47 @@ prometheus::MetricFamily Read(const Watched& watched) {
     family.metric.push_back(std::move(metric));
   }
   return family;
+}
+
+double ResidentBytes() {
+  std::ifstream statm("/proc/self/statm");
+  double size = 0, resident = 0;
+  statm >> size >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+double OpenDescriptors() {
+  double count = -1;  // the one that reads the directory
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry("/proc/self/fd", error), end;
+       !error && entry != end; entry.increment(error)) {
+    ++count;
+  }
+  return count < 0 ? 0 : count;
+}
+
+double MaxDescriptors() {
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  return static_cast<double>(limit.rlim_cur);
+}
+
+double Threads() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    double threads = 0;
+    if (word == "Threads:" && status >> threads) return threads;
+  }
+  return 0;
+}
+
+double ProcessorSeconds() {
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(used.ru_utime) + seconds(used.ru_stime);
 }
 
 }  // namespace
@@ -250,6 +297,17 @@ std::string Metrics::Text() const {
     for (const Watched& watched : impl_->watched) families.push_back(Read(watched));
   }
   return prometheus::TextSerializer().Serialize(families);
+}
+
+void WatchProcess(Metrics& metrics) {
+  using Kind = Metrics::Kind;
+  metrics.Watch(metric::kResidentBytes, Kind::kGauge, {}, ResidentBytes);
+  metrics.Watch(metric::kOpenDescriptors, Kind::kGauge, {}, OpenDescriptors);
+  metrics.Watch(metric::kMaxDescriptors, Kind::kGauge, {}, MaxDescriptors);
+  metrics.Watch(metric::kThreads, Kind::kGauge, {}, Threads);
+  metrics.Watch(metric::kProcessorSeconds, Kind::kCounter, {}, ProcessorSeconds);
+  const auto start = static_cast<double>(std::time(nullptr));
+  metrics.Watch(metric::kStartTime, Kind::kGauge, {}, [start] { return start; });
 }
 
 }  // namespace arap::runtime

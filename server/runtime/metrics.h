@@ -160,4 +160,8 @@ class Metrics {
   const std::unique_ptr<Impl> impl_;
 };
 
+// Serves memory, descriptors, processor time, threads and start of this process, under the names
+// that Prometheus gives them everywhere (process_…).
+void WatchProcess(Metrics& metrics);
+
 }  // namespace arap::runtime
