@@ -40,15 +40,43 @@ class SessionLocks {
   };
 
   // Waits for whoever holds it.
-  Held Take(const store::SessionKey& key);
+  Held Take(const store::SessionKey& key) {
+    const MutexLock lock(&mutex_);
+    const auto at = locks_.try_emplace(key).first;
+    // One that is freed stays in the map while somebody waits for it.
+    ++at->second.waiting;
+    ++waiting_;
+    while (at->second.taken) at->second.freed.Wait(&mutex_);
+    --at->second.waiting;
+    --waiting_;
+    at->second.taken = true;
+    return Held(this, at);
+  }
   // Nothing when somebody holds it.
-  std::optional<Held> TryTake(const store::SessionKey& key);
+  std::optional<Held> TryTake(const store::SessionKey& key) {
+    const MutexLock lock(&mutex_);
+    const auto at = locks_.try_emplace(key).first;
+    if (at->second.taken || at->second.waiting > 0) return std::nullopt;
+    at->second.taken = true;
+    return Held(this, at);
+  }
 
   // How many calls of Take wait.
-  std::size_t waiting() const;
+  std::size_t waiting() const {
+    const MutexLock lock(&mutex_);
+    return waiting_;
+  }
 
  private:
-  void Release(Held::Locks::iterator at);
+  void Release(Held::Locks::iterator at) {
+    const MutexLock lock(&mutex_);
+    at->second.taken = false;
+    if (at->second.waiting == 0) {
+      locks_.erase(at);
+    } else {
+      at->second.freed.Signal();
+    }
+  }
 
   mutable Mutex mutex_;
   Held::Locks locks_ ABSL_GUARDED_BY(mutex_);
