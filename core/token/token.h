@@ -1,14 +1,34 @@
-// Bearer tokens. A token is the text "arapd_ID_SECRET": 32 lower-case hexadecimal digits that name
-// an entry of the server's token file and 64 that prove it. The file keeps a salted hash of the
-// secret (token_file.h). Secrets are 256 random bits, so one round of the hash is as good as many.
+// Bearer tokens and the server's file of them.
+//
+// A token is the text "arapd_ID_SECRET": 32 lower-case hexadecimal digits that name an entry of the
+// token file and 64 that prove it. The file keeps a salted hash of the secret. Secrets are 256
+// random bits, so one round of the hash is as good as many.
+//
+// `arapctl token` writes the file, arapd reads it. It is a JSON array with one object for each
+// token:
+//
+//   {"id": "…32 digits…",
+//    "owner": "alice",                      a name (core/base/names.h), but not "anonymous"
+//    "role": "user",                        or "admin"
+//    "salt": "…32 digits…",
+//    "sha256": "…64 digits…",               see HashSecret
+//    "expires": "2027-01-31T00:00:00Z",     optional, UTC
+//    "limits": {"max_sessions": 10, …}}     optional: those with a TokenName
 #pragma once
 
+#include <chrono>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "arap/base/result.h"
+#include "arap/model/limits.h"
 
 namespace arap {
 
@@ -39,5 +59,53 @@ struct NewToken {
 
 // Id, salt and secret are random. kInternal when the system has no random numbers.
 Result<NewToken> MakeToken();
+
+struct TokenEntry {
+  std::string id;
+  std::string owner;
+  bool admin = false;
+  std::string salt;
+  std::string sha256;
+  // Seconds, because the clock's nanoseconds end in the year 2262 and the file's years in 9999.
+  std::optional<std::chrono::sys_seconds> expires;
+  // Of the owner for calls with this token, by name; what is missing is the server's.
+  std::map<std::string, std::uint64_t> limits;
+};
+
+// The entries of a file's text; `name` is the file's, for messages. kInvalidOption with the file,
+// the entry (counted from 0) and the field. Nothing of a salt or a hash is ever in a message. Two
+// entries may have one owner, but not one id.
+Result<std::vector<TokenEntry>> ParseTokenFile(std::string_view text, const std::string& name);
+
+// The text that ParseTokenFile reads back.
+std::string FormatTokenFile(std::span<const TokenEntry> entries);
+
+// An entry as it stands in the file, good or damaged: to list a damaged file and to remove entries
+// from it.
+struct RawTokenEntry {
+  std::string json;
+  // The texts of these fields, whatever they are; empty where there is none.
+  std::string id;
+  std::string owner;
+  Result<TokenEntry> entry;  // or the fault for which ParseTokenFile refuses the file
+};
+
+// kInvalidOption only for a text that is no JSON array.
+Result<std::vector<RawTokenEntry>> ParseRawTokenFile(std::string_view text,
+                                                     const std::string& name);
+
+// The file of these entries, each with the fields and values that it was read with.
+std::string FormatRawTokenFile(std::span<const RawTokenEntry> entries);
+
+// Changes the file: `change` gets its text, nothing when there is no file, and answers the new one.
+// A lock beside the file (PATH.lock) is held from reading to writing, so that changes of several
+// processes come one after the other; the new text is on the disk when this returns. Faults: that
+// of `change`; kInternal with the path when the file cannot be read or written, or when somebody
+// else changes it for longer than half a minute.
+using TokenFileChange = std::function<Result<std::string>(const std::optional<std::string>& text)>;
+Status ChangeTokenFile(const std::string& path, const TokenFileChange& change);
+
+// "2027-01-31T00:00:00Z", for the years 0 to 9999.
+std::string FormatExpiry(std::chrono::sys_seconds time);
 
 }  // namespace arap

@@ -12,7 +12,6 @@
 #include "core/base/try.h"
 #include "core/token/digest.h"
 #include "core/token/token.h"
-#include "core/token/token_file.h"
 
 namespace arap::app {
 namespace {

@@ -20,7 +20,7 @@ namespace arap::host {
 // client certificate is required. Only GetServerInfo, health and reflection need none.
 struct CredentialOptions {
   TlsOptions tls;
-  std::string token_file;        // see token_file.h; empty: no tokens
+  std::string token_file;        // see core/token/token.h; empty: no tokens
   bool allow_plaintext = false;  // see CheckExposure in listen.h
   bool allow_anyone = false;     // likewise
   // How often the token file is looked at: what a token allows, open streams included, ends at most

@@ -19,7 +19,6 @@
 #include "core/base/names.h"
 #include "core/base/try.h"
 #include "core/files/text_file.h"
-#include "core/token/token_file.h"
 
 namespace arap::cli {
 namespace {

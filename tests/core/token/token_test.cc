@@ -15,7 +15,6 @@
 #include "core/base/files.h"
 #include "core/base/names.h"
 #include "core/token/digest.h"
-#include "core/token/token_file.h"
 #include "tests/support/folder.h"
 
 namespace arap {
