@@ -8,8 +8,7 @@
 #include "core/base/wide.h"
 #include "core/deform/compiled_parts.h"
 #include "core/deform/registered_parts.h"
-#include "core/mesh/plane.h"
-#include "core/mesh/triangle_boxes.h"
+#include "core/mesh/locate.h"
 
 namespace arap {
 namespace {

@@ -11,8 +11,7 @@
 
 #include "arap/core/cost.h"
 #include "core/base/try.h"
-#include "core/mesh/plane.h"
-#include "core/mesh/triangle_boxes.h"
+#include "core/mesh/locate.h"
 
 namespace arap {
 namespace {

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/plane.h"
 #include "core/base/try.h"
 #include "core/deform/registered_parts.h"
 #include "core/energy/assemble.h"
 #include "core/energy/cells.h"
-#include "core/mesh/plane.h"
-#include "core/mesh/triangle_boxes.h"
+#include "core/mesh/locate.h"
 #include "core/mesh/validation.h"
 
 namespace arap {

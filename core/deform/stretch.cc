@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/plane.h"
 #include "core/base/wide.h"
-#include "core/mesh/plane.h"
 
 namespace arap {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/mesh/plane.h"
+#include "core/base/plane.h"
 #include "core/mesh/space.h"
 
 namespace arap {

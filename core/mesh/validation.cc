@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "core/base/plane.h"
 #include "core/base/try.h"
 #include "core/mesh/gluing.h"
-#include "core/mesh/plane.h"
 #include "core/mesh/space.h"
 
 namespace arap {

@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "core/base/try.h"
-#include "core/mesh/plane.h"
+#include "core/mesh/locate.h"
 #include "server/runtime/clock.h"
 #include "server/runtime/metrics.h"
 #include "server/sessions/handle_sets.h"

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/plane.h"
 #include "core/base/try.h"
 #include "core/flatten/distortion.h"
-#include "core/mesh/plane.h"
 
 namespace arap {
 namespace {

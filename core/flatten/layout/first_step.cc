@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/plane.h"
 #include "core/base/try.h"
 #include "core/energy/assemble.h"
-#include "core/mesh/plane.h"
 #include "core/mesh/space.h"
 #include "core/sparse/saddle.h"
 

@@ -5,8 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "core/base/plane.h"
 #include "core/base/try.h"
-#include "core/mesh/plane.h"
 
 namespace arap {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/mesh/plane.h"
+#include "core/base/plane.h"
 
 namespace arap {
 namespace {

@@ -1,7 +1,7 @@
 // The inverse map, depths, and several frames at once.
 #include "arap/core/pick.h"
 
-#include "core/mesh/plane.h"
+#include "core/mesh/locate.h"
 #include "tests/core/deform/fixture.h"
 #include "tests/support/compare.h"
 #include "tests/support/meshes.h"

@@ -1,7 +1,8 @@
-#include "core/mesh/plane.h"
+#include "core/mesh/locate.h"
 
 #include <gtest/gtest.h>
 
+#include "core/base/plane.h"
 #include "tests/support/meshes.h"
 
 namespace arap::testing {
