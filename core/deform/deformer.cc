@@ -1,15 +1,204 @@
 #include "arap/core/deformer.h"
 
 #include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "core/base/try.h"
 #include "core/deform/compiled_parts.h"
-#include "core/deform/frame.h"
+#include "core/deform/target_rows.h"
+#include "core/energy/local_step.h"
 
 namespace arap {
 namespace {
+
+// One set of targets on its way to a shape, step by step [algorithm §2]. The rigid solve itself is
+// left to the caller, so that several frames can share one pass over the factor.
+//
+// Coordinates are normalised and relative to the mean target. Allocates at construction only.
+// Nothing is kept from one set of targets to the next.
+class Frame {
+ public:
+  explicit Frame(const CompiledHandlesParts& set);
+
+  // Checks the targets and takes step 1. Faults: those of TargetRows::Place and of a
+  // back-substitution.
+  Status Begin(std::span<const Target> targets, SolverScratch& scratch);
+
+  // The right-hand side of step 2 (#V×2: x, then y) with the rotations of the shape so far. Without
+  // `turned` every rotation is 1: the baseline of eq. 1, where the edges exert no force.
+  void Force(bool turned, std::span<double> force);
+
+  // The shape of step 2 from the solution of the rigid factor for that force; nullptr for no force.
+  // Fault: that of a back-substitution.
+  Status Rigid(const double* solution, SolverScratch& scratch);
+
+  // Writes the shape to `positions` (#V, units of the mesh) and measures it. kNumerical when
+  // anything is not finite; `positions` is scratch then.
+  Result<ShapeQuality> Finish(std::span<const Target> targets, std::vector<Complex>& positions);
+
+ private:
+  // p ↦ place + turn·(p − from)
+  struct Similarity {
+    Complex from, place, turn;
+  };
+
+  std::size_t n() const { return mesh_.rest.size(); }
+  double* x() { return shape_.data(); }
+  double* y() { return shape_.data() + n(); }
+  ConstShapeView View() const { return {shape_.data(), shape_.data() + n()}; }
+
+  void FitBase();
+  void StartFromBase(bool rigid);
+  bool Place(std::vector<Complex>& positions);
+  ShapeQuality Measure(std::span<const Target> targets,
+                       const std::vector<Complex>& positions) const;
+
+  const CompiledHandlesParts& set_;
+  const RegisteredMeshParts& mesh_;
+  TargetRows targets_;
+  std::vector<double> shape_;           // #V×2, x then y
+  std::vector<Complex> miss_;           // per active row: target minus place
+  std::vector<Similarity> base_;        // per component: the similarity that fits its targets best
+  std::vector<double> counts_, sizes_;  // per component, of FitBase
+  std::vector<Complex> mean_;           // per component: t̄, the rotation of the base
+};
+
+Frame::Frame(const CompiledHandlesParts& set)
+    : set_(set),
+      mesh_(set.mesh->parts()),
+      targets_(set),
+      shape_(2 * mesh_.rest.size()),
+      miss_(set.roles.active_rows.size()),
+      base_(mesh_.components.size()),
+      counts_(mesh_.components.size()),
+      sizes_(mesh_.components.size()),
+      mean_(mesh_.components.size(), 1) {}
+
+Status Frame::Begin(std::span<const Target> targets, SolverScratch& scratch) {
+  CHECK_OK(targets_.Place(targets));
+  FitBase();
+  StartFromBase(false);
+  return set_.solver->AddSimilarity(miss_, {x(), y()}, scratch);
+}
+
+void Frame::Force(bool turned, std::span<double> force) {
+  std::fill(force.begin(), force.end(), 0.0);
+  if (turned) {
+    AddRotatedEdges(mesh_.cells, View(), mean_, {force.data(), force.data() + n()});
+  } else {
+    std::fill(mean_.begin(), mean_.end(), Complex(1));
+  }
+  StartFromBase(true);
+  set_.solver->CompleteForce(miss_, force);
+}
+
+Status Frame::Rigid(const double* solution, SolverScratch& scratch) {
+  return set_.solver->AddRigid(solution, miss_, {x(), y()}, scratch);
+}
+
+Result<ShapeQuality> Frame::Finish(std::span<const Target> targets,
+                                   std::vector<Complex>& positions) {
+  if (!Place(positions)) {
+    return Fail(FaultKind::kNumerical,
+                "The shape is not finite: the targets are too far away for this mesh.");
+  }
+  const ShapeQuality quality = Measure(targets, positions);
+  if (!std::isfinite(quality.energy) || !std::isfinite(quality.worst_handle_error) ||
+      !std::isfinite(quality.mean_stretch)) {
+    return Fail(FaultKind::kNumerical, "A measure of the shape is not finite.");
+  }
+  return quality;
+}
+
+// The similarity of each component that fits its targets best. It is in the null space of step 1,
+// and its rotation in that of the turned edges of step 2; solving for the difference keeps rigid
+// motions exact.
+void Frame::FitBase() {
+  for (Similarity& s : base_) s = {0, 0, 0};
+  for (std::size_t c = 0; c < base_.size(); ++c) counts_[c] = sizes_[c] = 0;
+  for (const std::size_t r : set_.roles.active_rows) {
+    const std::uint32_t c = set_.rows[r].component;
+    base_[c].from += set_.rows[r].rest;
+    base_[c].place += targets_[r];
+    counts_[c] += 1;
+  }
+  for (std::size_t c = 0; c < base_.size(); ++c) {
+    if (counts_[c] == 0) continue;
+    base_[c].from /= counts_[c];
+    base_[c].place /= counts_[c];
+  }
+  for (const std::size_t r : set_.roles.active_rows) {
+    const std::uint32_t c = set_.rows[r].component;
+    const Complex arm = set_.rows[r].rest - base_[c].from;
+    base_[c].turn += std::conj(arm) * (targets_[r] - base_[c].place);
+    sizes_[c] += std::norm(arm);
+  }
+  for (std::size_t c = 0; c < base_.size(); ++c) {
+    if (counts_[c] > 0) base_[c].turn /= sizes_[c];
+    const double size = std::abs(base_[c].turn);
+    mean_[c] = size > kNoDirection ? base_[c].turn / size : 1;
+  }
+}
+
+// shape := the base, or its rigid part; miss := what the rows lack.
+void Frame::StartFromBase(bool rigid) {
+  for (std::size_t v = 0; v < n(); ++v) {
+    const std::uint32_t c = mesh_.topology.vertex_component[v];
+    Complex p = mesh_.rest[v];
+    if (c != kNone && set_.roles.active_slot[c] != kNone) {
+      p = base_[c].place + (rigid ? mean_[c] : base_[c].turn) * (p - base_[c].from);
+    }
+    x()[v] = p.real();
+    y()[v] = p.imag();
+  }
+  for (std::size_t i = 0; i < miss_.size(); ++i) {
+    const std::size_t r = set_.roles.active_rows[i];
+    miss_[i] = targets_[r] - PointOf(set_.rows[r], View());
+  }
+}
+
+// Back to the units of the mesh, into `positions`. False when a number is not finite.
+bool Frame::Place(std::vector<Complex>& positions) {
+  const double unit = mesh_.report.diagonal;
+  double probe = 0;  // NaN or infinite as soon as one number is
+  for (std::size_t v = 0; v < n(); ++v) {
+    const std::uint32_t c = mesh_.topology.vertex_component[v];
+    if (c != kNone && set_.roles.active_slot[c] != kNone) {
+      positions[v] = mesh_.origin + unit * (Complex(x()[v], y()[v]) + targets_.middle());
+    } else {
+      positions[v] = mesh_.mesh.vertices[v];
+      if (c != kNone) positions[v] += unit * targets_.shift(c);
+    }
+    probe += 0 * positions[v].real() + 0 * positions[v].imag();
+  }
+  return probe == 0;
+}
+
+ShapeQuality Frame::Measure(std::span<const Target> given,
+                            const std::vector<Complex>& positions) const {
+  ShapeQuality quality;
+  const auto stretch = mesh_.stretch.Measure(mesh_.mesh, positions, mesh_.report.diagonal);
+  quality.flipped = stretch.flipped;
+  quality.mean_stretch = stretch.mean;
+  quality.max_stretch = stretch.max;
+  quality.energy = RigidEnergy(mesh_.cells, View());
+  for (const Row& row : set_.rows) {
+    Complex p = 0;
+    for (std::size_t k = 0; k < 3; ++k) p += row.weight[k] * positions[row.vertex[k]];
+    const Complex wanted =
+        given[row.handle].position + targets_.OffsetOf(row) * mesh_.report.diagonal;
+    const double error = std::abs(p - wanted);
+    if (error > quality.worst_handle_error) {
+      quality.worst_handle_error = error;
+      quality.worst_handle = row.handle;
+    }
+  }
+  return quality;
+}
 
 Status CheckOptions(const DeformOptions& options) {
   if (options.refine < 0 || options.refine > kMaxRefine) {

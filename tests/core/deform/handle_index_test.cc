@@ -1,10 +1,9 @@
 // Ids of a set are found without going through the set.
-#include "core/deform/handle_index.h"
-
 #include <algorithm>
 #include <bit>
 #include <string>
 
+#include "core/deform/compiled_parts.h"
 #include "tests/core/deform/fixture.h"
 #include "tests/support/meshes.h"
 #include "tests/support/random.h"
