@@ -15,7 +15,7 @@
 #include "client/cli/patience.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
-#include "core/files/shapes.h"
+#include "core/files/mesh_file.h"
 
 namespace arap::cli {
 namespace {

@@ -17,7 +17,7 @@
 #include "client/cli/patience.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
-#include "core/files/shapes.h"
+#include "core/files/mesh_file.h"
 #include "core/files/text_file.h"
 
 namespace arap::cli {

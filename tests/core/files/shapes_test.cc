@@ -1,9 +1,8 @@
-#include "core/files/shapes.h"
-
 #include <cmath>
 #include <filesystem>
 #include <vector>
 
+#include "core/files/mesh_file.h"
 #include "core/files/text_file.h"
 #include "tests/support/folder.h"
 
