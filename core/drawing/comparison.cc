@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "core/drawing/strain.h"
+#include "core/drawing/svg.h"
 
 namespace arap {
 namespace {

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "core/drawing/strain.h"
 #include "core/drawing/svg.h"
 
 namespace arap {

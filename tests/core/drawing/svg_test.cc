@@ -8,7 +8,6 @@
 #include <gmock/gmock.h>
 
 #include "core/drawing/outline.h"
-#include "core/drawing/strain.h"
 
 namespace arap {
 namespace {
