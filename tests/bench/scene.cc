@@ -7,7 +7,7 @@
 #include <utility>
 #include <variant>
 
-#include "client/cli/sample/planar.h"
+#include "client/cli/sample/samples.h"
 #include "tests/support/meshes.h"
 
 namespace arap::bench {

@@ -12,7 +12,7 @@
 #include "arap/core/compiled_handles.h"
 #include "arap/core/deformer.h"
 #include "arap/core/registered_mesh.h"
-#include "client/cli/sample/planar.h"
+#include "client/cli/sample/samples.h"
 #include "core/files/mesh_file.h"
 #include "core/files/track.h"
 #include "tests/support/compare.h"

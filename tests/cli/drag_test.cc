@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "client/cli/sample/planar.h"
+#include "client/cli/sample/samples.h"
 #include "core/files/mesh_file.h"
 #include "core/files/track.h"
 #include "tests/cli/run.h"

@@ -9,8 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "client/cli/sample/field.h"
-#include "client/cli/sample/planar.h"
-#include "client/cli/sample/surfaces.h"
+#include "client/cli/sample/samples.h"
 #include "core/drawing/svg.h"
 #include "core/files/mesh_file.h"
 

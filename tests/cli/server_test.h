@@ -9,7 +9,7 @@
 
 #include "arap/client/client.h"
 #include "client/cli/connect/connection.h"
-#include "client/cli/sample/planar.h"
+#include "client/cli/sample/samples.h"
 
 namespace arap::cli {
 

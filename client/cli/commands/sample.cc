@@ -8,8 +8,7 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/report.h"
-#include "client/cli/sample/planar.h"
-#include "client/cli/sample/surfaces.h"
+#include "client/cli/sample/samples.h"
 #include "core/base/try.h"
 #include "core/files/mesh_file.h"
 #include "core/files/text_file.h"

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/report.h"
-#include "client/cli/sample/planar.h"
+#include "client/cli/sample/samples.h"
 #include "core/base/try.h"
 
 namespace arap::cli {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "arap/client/client.h"
-#include "client/cli/sample/planar.h"
+#include "client/cli/sample/samples.h"
 #include "tests/system/fault/server_process.h"
 
 namespace arap::client {
