@@ -1,13 +1,12 @@
 // How a command reaches its server: the flags --server and --spawn, and who it says it is.
 #pragma once
 
-#include <optional>
+#include <memory>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
 #include "arap/client/client.h"
-#include "client/cli/connect/spawned_server.h"
 
 namespace arap::cli {
 
@@ -25,20 +24,25 @@ inline constexpr const char* kTokenVariable = "ARAPCTL_TOKEN";
 // Exactly one of --server and --spawn has to be given; a private server wants no identity.
 void AddServerFlags(CLI::App& command, ServerFlags& flags);
 
-// A connection that stands; it ends, with the spawned server if there is one, when this goes.
+// A connection that stands; it ends, with the private server if there is one, when this goes. Open
+// it before gRPC is used: for a private server it forks. For one thread.
 class Connection {
  public:
   static Result<Connection> Open(const ServerFlags& flags);
+  Connection(Connection&& other) noexcept;
+  Connection& operator=(Connection&& other) noexcept;
+  ~Connection();
 
   const client::Client& client() const { return client_; }
   // A further connection to the same server.
   Result<client::Client> Another() const;
 
  private:
-  Connection(std::optional<SpawnedServer> spawned, std::string address,
+  class SpawnedServer;
+  Connection(std::unique_ptr<SpawnedServer> spawned, std::string address,
              client::ConnectOptions options, client::Client client);
 
-  std::optional<SpawnedServer> spawned_;  // before the client: it has to outlive it
+  std::unique_ptr<SpawnedServer> spawned_;  // before the client: it has to outlive it
   std::string address_;
   client::ConnectOptions options_;
   client::Client client_;
