@@ -4,9 +4,8 @@
 #include <utility>
 
 #include "client/src/answers.h"
-#include "client/src/call_headers.h"
+#include "client/src/calls.h"
 #include "client/src/channel.h"
-#include "client/src/retry.h"
 #include "core/base/try.h"
 #include "proto/convert/flatten.h"
 #include "proto/convert/mesh.h"

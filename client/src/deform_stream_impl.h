@@ -9,13 +9,11 @@
 
 #include "arap/client/deform_stream.h"
 #include "client/src/answers.h"
-#include "client/src/awaited_answers.h"
-#include "client/src/call_headers.h"
+#include "client/src/awaited.h"
+#include "client/src/calls.h"
 #include "client/src/channel.h"
 #include "client/src/known_sizes.h"
 #include "client/src/replay_log.h"
-#include "client/src/retry.h"
-#include "client/src/signs_of_life.h"
 #include "client/src/stream_call.h"
 #include "core/base/mutex.h"
 

@@ -10,9 +10,8 @@
 
 #include "arap/client/session.h"
 #include "client/src/answers.h"
-#include "client/src/call_headers.h"
+#include "client/src/calls.h"
 #include "client/src/channel.h"
-#include "client/src/retry.h"
 #include "core/base/try.h"
 #include "proto/convert/handles.h"
 

@@ -1,7 +1,7 @@
 // When a stream asks for a sign of life, and whose the answers are.
-#include "client/src/signs_of_life.h"
-
 #include <gmock/gmock.h>
+
+#include "client/src/awaited.h"
 
 namespace arap::client::internal {
 namespace {

@@ -1,9 +1,8 @@
 // Which answers a stream may get.
-#include "client/src/awaited_answers.h"
-
 #include <gtest/gtest.h>
 
 #include "arap/v1/deformation_service.pb.h"
+#include "client/src/awaited.h"
 
 namespace arap::client::internal {
 namespace {

@@ -1,9 +1,8 @@
 // What is made again and what is not, for how long, and under which names.
-#include "client/src/retry.h"
-
 #include <gmock/gmock.h>
 
 #include "arap/client/client.h"
+#include "client/src/calls.h"
 #include "tests/support/fake_server.h"
 
 namespace arap::client {

@@ -1,7 +1,9 @@
-// When a call is made again: what counts as lost, how long to wait, and the unary call that does so.
+// Calls: what one is called by in the logs of the server and in traces, when it is made again, what
+// counts as lost, how long to wait, and the unary call that does so.
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <string>
@@ -13,6 +15,24 @@
 #include "proto/convert/status.h"
 
 namespace arap::client::internal {
+
+// So many random bytes in hexadecimal, from the system's generator.
+std::string RandomHex(std::size_t bytes);
+
+// "x-session-id", by which a load balancer finds the replica; "x-request-id", drawn anew; and W3C's
+// "traceparent", the one that was given or, unless that is one, drawn anew. All attempts of one call
+// have the same. Thread-safe.
+class CallHeaders {
+ public:
+  // No session header for what is no id of a session, an empty one for example.
+  explicit CallHeaders(std::string session_id, std::string traceparent = {});
+
+  void AddTo(grpc::ClientContext& context) const;
+  const std::string& request_id() const { return request_id_; }
+
+ private:
+  const std::string session_id_, request_id_, traceparent_;
+};
 
 // Whether a call that ended so, and that we did not cancel, was lost and may do better elsewhere:
 // its server is gone or going away, or a proxy says so in its own words.
