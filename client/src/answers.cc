@@ -14,12 +14,11 @@
 #include "arap/v1/server_service.pb.h"
 #include "core/base/names.h"
 #include "core/base/try.h"
+#include "proto/convert/deform.h"
 #include "proto/convert/flatten.h"
-#include "proto/convert/handles.h"
 #include "proto/convert/limits.h"
 #include "proto/convert/mesh.h"
 #include "proto/convert/plain.h"
-#include "proto/convert/shape.h"
 
 namespace arap::client::internal {
 namespace {

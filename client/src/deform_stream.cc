@@ -5,7 +5,7 @@
 #include "arap/client/session.h"
 #include "client/src/answers.h"
 #include "client/src/deform_stream_impl.h"
-#include "proto/convert/handles.h"
+#include "proto/convert/deform.h"
 #include "proto/convert/plain.h"
 
 namespace arap::client {

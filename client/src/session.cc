@@ -6,7 +6,7 @@
 #include "client/src/calls.h"
 #include "client/src/channel.h"
 #include "core/base/try.h"
-#include "proto/convert/handles.h"
+#include "proto/convert/deform.h"
 #include "proto/convert/mesh.h"
 #include "proto/convert/plain.h"
 

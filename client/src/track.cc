@@ -13,7 +13,7 @@
 #include "client/src/calls.h"
 #include "client/src/channel.h"
 #include "core/base/try.h"
-#include "proto/convert/handles.h"
+#include "proto/convert/deform.h"
 
 namespace arap::client {
 namespace {

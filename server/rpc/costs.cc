@@ -1,8 +1,8 @@
 #include "server/rpc/costs.h"
 
 #include "arap/core/flattener.h"
+#include "proto/convert/deform.h"
 #include "proto/convert/flatten.h"
-#include "proto/convert/shape.h"
 #include "server/budget/estimate.h"
 #include "server/engine.h"
 #include "server/sessions/rebuild.h"

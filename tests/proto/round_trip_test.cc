@@ -6,11 +6,10 @@
 #include <arap/v1/flattening_service.pb.h>
 #include <gmock/gmock.h>
 
+#include "proto/convert/deform.h"
 #include "proto/convert/flatten.h"
-#include "proto/convert/handles.h"
 #include "proto/convert/mesh.h"
 #include "proto/convert/plain.h"
-#include "proto/convert/shape.h"
 
 namespace arap::convert {
 namespace {

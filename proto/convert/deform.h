@@ -1,4 +1,6 @@
-// Deformation options, deformed shapes and picks between the model and the wire.
+// Deformation between the model and the wire: handles and targets, options, deformed shapes and
+// picks. Only what the model has no form for is checked here: missing anchors, lengths, unknown
+// values, limits of the server.
 #pragma once
 
 #include <cstddef>
@@ -6,10 +8,12 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "arap/base/result.h"
 #include "arap/model/deform.h"
+#include "arap/model/handle.h"
 
 namespace google::protobuf {
 template <typename Element>
@@ -17,11 +21,34 @@ class RepeatedField;
 }
 namespace arap::v1 {
 class DeformOptions;
+class Handle;
+class HandleInfo;
+class HandleTarget;
 class PickResult;
 class Shape;
+class TrackFrame;
 }  // namespace arap::v1
 
 namespace arap::convert {
+
+// `path` is where the handle is in the request ("handles[3]"), for the fault's field. Faults:
+// kInvalidOption, kArrayLength.
+Result<Handle> FromWire(const v1::Handle& handle, const std::string& path);
+void ToWire(const Handle& handle, v1::Handle* out);
+
+// Of the handle the wire has its id only.
+PlacedHandle FromWire(const v1::HandleInfo& info);
+void ToWire(const PlacedHandle& placed, v1::HandleInfo* out);
+
+// All but the id.
+Target TargetFromWire(const v1::HandleTarget& target);
+void ToWire(const HandleTarget& target, v1::HandleTarget* out);
+
+// One target per column, `columns` of them. kArrayLength with a field under `path` ("frames[3]").
+Result<std::vector<Target>> FromWire(const v1::TrackFrame& frame, std::size_t columns,
+                                     const std::string& path);
+// Angles and scales are left out where no handle has one.
+void ToWire(std::span<const Target> targets, v1::TrackFrame* out);
 
 // kInvalidOption: an unknown mode, or more refinements than `max_refine`.
 Result<DeformOptions> FromWire(const v1::DeformOptions& options, std::uint32_t max_refine);
