@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <variant>
 
 #include <arap/v1/deformation_service.pb.h>
@@ -20,16 +21,17 @@ void ToWire(Complex point, v1::Point* out) {
   out->set_y(point.imag());
 }
 
+Status CheckLength(int length, std::size_t expected, const std::string& field) {
+  if (static_cast<std::size_t>(length) == expected) return {};
+  return Fail(Fault(FaultKind::kArrayLength,
+                    fmt::format("{} has {} numbers, not {}.", field, length, expected))
+                  .Field(field)
+                  .Detail("length", length)
+                  .Detail("expected", expected));
+}
+
 Result<TriangleAnchor> FromWire(const v1::TrianglePoint& point, const std::string& path) {
-  const int length = point.barycentric_size();
-  if (length != 3) {
-    const std::string field = path + ".triangle_point.barycentric";
-    return Fail(
-        Fault(FaultKind::kArrayLength, fmt::format("{} has {} numbers, not 3.", field, length))
-            .Field(field)
-            .Detail("length", length)
-            .Detail("expected", 3));
-  }
+  CHECK_OK(CheckLength(point.barycentric_size(), 3, path + ".triangle_point.barycentric"));
   return TriangleAnchor{point.triangle(),
                         {point.barycentric(0), point.barycentric(1), point.barycentric(2)}};
 }
@@ -67,52 +69,18 @@ struct AnchorToWire {
   }
 };
 
-Result<Outside> FromWire(v1::OutsidePolicy policy, const std::string& path) {
-  switch (policy) {
-    case v1::OUTSIDE_POLICY_UNSPECIFIED:
-    case v1::OUTSIDE_POLICY_ERROR:
-      return Outside::kError;
-    case v1::OUTSIDE_POLICY_SNAP:
-      return Outside::kSnap;
-    default:
-      return Fail(UnknownValue(path + ".outside", policy));
-  }
-}
+constexpr EnumRow<v1::OutsidePolicy, Outside> kOutside[] = {
+    {v1::OUTSIDE_POLICY_ERROR, Outside::kError},
+    {v1::OUTSIDE_POLICY_SNAP, Outside::kSnap},
+};
+static_assert(std::size(kOutside) == v1::OutsidePolicy_ARRAYSIZE - 1);
 
-Status CheckColumns(int length, std::size_t expected, const std::string& field) {
-  if (static_cast<std::size_t>(length) == expected) return {};
-  return Fail(Fault(FaultKind::kArrayLength,
-                    fmt::format("{} has {} numbers, not {}.", field, length, expected))
-                  .Field(field)
-                  .Detail("length", length)
-                  .Detail("expected", expected));
-}
-
-Result<DeformMode> FromWire(v1::DeformMode mode) {
-  switch (mode) {
-    case v1::DEFORM_MODE_UNSPECIFIED:
-    case v1::DEFORM_MODE_RIGID:
-      return DeformMode::kRigid;
-    case v1::DEFORM_MODE_SIMILARITY:
-      return DeformMode::kSimilarity;
-    case v1::DEFORM_MODE_BASELINE:
-      return DeformMode::kBaseline;
-    default:
-      return Fail(UnknownValue("options.mode", mode));
-  }
-}
-
-v1::DeformMode ToWire(DeformMode mode) {
-  switch (mode) {
-    case DeformMode::kRigid:
-      return v1::DEFORM_MODE_RIGID;
-    case DeformMode::kSimilarity:
-      return v1::DEFORM_MODE_SIMILARITY;
-    case DeformMode::kBaseline:
-      return v1::DEFORM_MODE_BASELINE;
-  }
-  return v1::DEFORM_MODE_UNSPECIFIED;
-}
+constexpr EnumRow<v1::DeformMode, DeformMode> kModes[] = {
+    {v1::DEFORM_MODE_RIGID, DeformMode::kRigid},
+    {v1::DEFORM_MODE_SIMILARITY, DeformMode::kSimilarity},
+    {v1::DEFORM_MODE_BASELINE, DeformMode::kBaseline},
+};
+static_assert(std::size(kModes) == v1::DeformMode_ARRAYSIZE - 1);
 
 }  // namespace
 
@@ -124,7 +92,7 @@ Result<Handle> FromWire(const v1::Handle& handle, const std::string& path) {
   out.hard = handle.hard();
   out.oriented = handle.oriented();
   out.area_radius = handle.area_radius();
-  TRY(out.outside, FromWire(handle.outside(), path));
+  TRY(out.outside, ModelOf(kOutside, handle.outside(), Outside::kError, path + ".outside"));
   out.depth = handle.depth();
   out.depth_falloff = handle.depth_falloff();
   return out;
@@ -137,8 +105,7 @@ void ToWire(const Handle& handle, v1::Handle* out) {
   out->set_hard(handle.hard);
   out->set_oriented(handle.oriented);
   out->set_area_radius(handle.area_radius);
-  out->set_outside(handle.outside == Outside::kSnap ? v1::OUTSIDE_POLICY_SNAP
-                                                    : v1::OUTSIDE_POLICY_ERROR);
+  out->set_outside(WireOf(kOutside, handle.outside));
   out->set_depth(handle.depth);
   out->set_depth_falloff(handle.depth_falloff);
 }
@@ -174,13 +141,13 @@ void ToWire(const HandleTarget& target, v1::HandleTarget* out) {
 
 Result<std::vector<Target>> FromWire(const v1::TrackFrame& frame, std::size_t columns,
                                      const std::string& path) {
-  CHECK_OK(CheckColumns(frame.positions_size(), 2 * columns, path + ".positions"));
+  CHECK_OK(CheckLength(frame.positions_size(), 2 * columns, path + ".positions"));
   const bool angles = frame.angles_radians_size() > 0;
   if (angles) {
-    CHECK_OK(CheckColumns(frame.angles_radians_size(), columns, path + ".angles_radians"));
+    CHECK_OK(CheckLength(frame.angles_radians_size(), columns, path + ".angles_radians"));
   }
   const bool scales = frame.scales_size() > 0;
-  if (scales) CHECK_OK(CheckColumns(frame.scales_size(), columns, path + ".scales"));
+  if (scales) CHECK_OK(CheckLength(frame.scales_size(), columns, path + ".scales"));
   std::vector<Target> targets(columns);
   for (int i = 0; i < static_cast<int>(columns); ++i) {
     Target& target = targets[static_cast<std::size_t>(i)];
@@ -206,7 +173,7 @@ void ToWire(std::span<const Target> targets, v1::TrackFrame* out) {
 
 Result<DeformOptions> FromWire(const v1::DeformOptions& options, std::uint32_t max_refine) {
   DeformOptions out;
-  TRY(out.mode, FromWire(options.mode()));
+  TRY(out.mode, ModelOf(kModes, options.mode(), DeformMode::kRigid, "options.mode"));
   if (options.refine() > max_refine) {
     return Fail(Fault(FaultKind::kInvalidOption,
                       fmt::format("options.refine of {} is more than max_refine of {}.",
@@ -221,7 +188,7 @@ Result<DeformOptions> FromWire(const v1::DeformOptions& options, std::uint32_t m
 }
 
 void ToWire(const DeformOptions& options, v1::DeformOptions* out) {
-  out->set_mode(ToWire(options.mode));
+  out->set_mode(WireOf(kModes, options.mode));
   out->set_refine(static_cast<std::uint32_t>(options.refine));
 }
 

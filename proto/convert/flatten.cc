@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <span>
 #include <string>
@@ -85,32 +86,12 @@ Result<EnergyOptions> EnergyOf(const v1::FlattenRequest& request, const Recipe& 
   return energy;
 }
 
-Result<FlattenAnchors> FromWire(v1::FlattenAnchors anchors, FlattenAnchors unspecified) {
-  switch (anchors) {
-    case v1::FLATTEN_ANCHORS_UNSPECIFIED:
-      return unspecified;
-    case v1::FLATTEN_ANCHORS_SPECTRAL:
-      return FlattenAnchors::kSpectral;
-    case v1::FLATTEN_ANCHORS_CENTER_EDGE:
-      return FlattenAnchors::kCentreEdge;
-    case v1::FLATTEN_ANCHORS_FAR_BOUNDARY:
-      return FlattenAnchors::kFarBoundary;
-    default:
-      return Fail(UnknownValue("anchors", anchors));
-  }
-}
-
-v1::FlattenAnchors ToWire(FlattenAnchors anchors) {
-  switch (anchors) {
-    case FlattenAnchors::kCentreEdge:
-      return v1::FLATTEN_ANCHORS_CENTER_EDGE;
-    case FlattenAnchors::kFarBoundary:
-      return v1::FLATTEN_ANCHORS_FAR_BOUNDARY;
-    case FlattenAnchors::kSpectral:
-      return v1::FLATTEN_ANCHORS_SPECTRAL;
-  }
-  return v1::FLATTEN_ANCHORS_UNSPECIFIED;
-}
+constexpr EnumRow<v1::FlattenAnchors, FlattenAnchors> kAnchors[] = {
+    {v1::FLATTEN_ANCHORS_CENTER_EDGE, FlattenAnchors::kCentreEdge},
+    {v1::FLATTEN_ANCHORS_FAR_BOUNDARY, FlattenAnchors::kFarBoundary},
+    {v1::FLATTEN_ANCHORS_SPECTRAL, FlattenAnchors::kSpectral},
+};
+static_assert(std::size(kAnchors) == v1::FlattenAnchors_ARRAYSIZE - 1);
 
 Status SetRefine(const v1::FlattenRequest& request, std::uint32_t max_refine,
                  FlattenOptions& options) {
@@ -237,7 +218,7 @@ Result<FlattenOptions> FromWire(const v1::FlattenRequest& request, std::uint32_t
   TRY(const Recipe recipe, RecipeOf(request.method()));
   FlattenOptions options = recipe.preset;
   TRY(options.energy, EnergyOf(request, recipe));
-  TRY(options.anchors, FromWire(request.anchors(), recipe.preset.anchors));
+  TRY(options.anchors, ModelOf(kAnchors, request.anchors(), recipe.preset.anchors, "anchors"));
   options.injective = request.injective();
   CHECK_OK(SetRefine(request, max_refine, options));
   CHECK_OK(CheckGroups(request.seam_edges_size(), 2, "seam_edges"));
@@ -253,7 +234,7 @@ Result<FlattenOptions> FromWire(const v1::FlattenRequest& request, std::uint32_t
 void ToWire(const FlattenOptions& options, v1::FlattenRequest* out) {
   out->set_method(ToWire(options.method));
   ToWire(options.energy, out->mutable_energy());
-  out->set_anchors(ToWire(options.anchors));
+  out->set_anchors(WireOf(kAnchors, options.anchors));
   out->set_injective(options.injective);
   const int preset = options.method == FlattenMethod::kArap ? kServiceRefine : 0;
   if (options.refine != preset) out->set_refine(static_cast<std::uint32_t>(options.refine));

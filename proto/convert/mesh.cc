@@ -1,5 +1,7 @@
 #include "proto/convert/mesh.h"
 
+#include <iterator>
+
 #include <arap/v1/deformation_service.pb.h>
 #include <arap/v1/geometry.pb.h>
 #include <fmt/format.h>
@@ -30,53 +32,19 @@ Status CheckArrays(const Mesh& mesh, int dimension, const MeshLimits& limits) {
                     "max_triangles");
 }
 
-v1::Basis ToWire(Basis basis) {
-  switch (basis) {
-    case Basis::kEdge:
-      return v1::BASIS_EDGE;
-    case Basis::kEdgeAsPublished:
-      return v1::BASIS_EDGE_AS_PUBLISHED;
-    case Basis::kFace:
-      return v1::BASIS_FACE;
-    case Basis::kVertex:
-      return v1::BASIS_VERTEX;
-  }
-  return v1::BASIS_UNSPECIFIED;
-}
+constexpr EnumRow<v1::Basis, Basis> kBases[] = {
+    {v1::BASIS_EDGE, Basis::kEdge},
+    {v1::BASIS_EDGE_AS_PUBLISHED, Basis::kEdgeAsPublished},
+    {v1::BASIS_FACE, Basis::kFace},
+    {v1::BASIS_VERTEX, Basis::kVertex},
+};
+static_assert(std::size(kBases) == v1::Basis_ARRAYSIZE - 1);
 
-Result<Basis> FromWire(v1::Basis basis, Basis unspecified) {
-  switch (basis) {
-    case v1::BASIS_UNSPECIFIED:
-      return unspecified;
-    case v1::BASIS_EDGE:
-      return Basis::kEdge;
-    case v1::BASIS_EDGE_AS_PUBLISHED:
-      return Basis::kEdgeAsPublished;
-    case v1::BASIS_FACE:
-      return Basis::kFace;
-    case v1::BASIS_VERTEX:
-      return Basis::kVertex;
-    default:
-      return Fail(UnknownValue("energy.basis", basis));
-  }
-}
-
-v1::EdgeWeights ToWire(Weights weights) {
-  return weights == Weights::kUniform ? v1::EDGE_WEIGHTS_UNIFORM : v1::EDGE_WEIGHTS_COTANGENT;
-}
-
-Result<Weights> FromWire(v1::EdgeWeights weights, Weights unspecified) {
-  switch (weights) {
-    case v1::EDGE_WEIGHTS_UNSPECIFIED:
-      return unspecified;
-    case v1::EDGE_WEIGHTS_UNIFORM:
-      return Weights::kUniform;
-    case v1::EDGE_WEIGHTS_COTANGENT:
-      return Weights::kCotangent;
-    default:
-      return Fail(UnknownValue("energy.weights", weights));
-  }
-}
+constexpr EnumRow<v1::EdgeWeights, Weights> kWeights[] = {
+    {v1::EDGE_WEIGHTS_UNIFORM, Weights::kUniform},
+    {v1::EDGE_WEIGHTS_COTANGENT, Weights::kCotangent},
+};
+static_assert(std::size(kWeights) == v1::EdgeWeights_ARRAYSIZE - 1);
 
 }  // namespace
 
@@ -103,15 +71,15 @@ void ToWire(const SurfaceMesh& mesh, v1::SurfaceMesh* out) {
 
 Result<EnergyOptions> FromWire(const v1::EnergyOptions& energy, EnergyOptions defaults) {
   EnergyOptions out;
-  TRY(out.basis, FromWire(energy.basis(), defaults.basis));
-  TRY(out.weights, FromWire(energy.weights(), defaults.weights));
+  TRY(out.basis, ModelOf(kBases, energy.basis(), defaults.basis, "energy.basis"));
+  TRY(out.weights, ModelOf(kWeights, energy.weights(), defaults.weights, "energy.weights"));
   out.rigidity = Values<double>(energy.rigidity());
   return out;
 }
 
 void ToWire(const EnergyOptions& energy, v1::EnergyOptions* out) {
-  out->set_basis(ToWire(energy.basis));
-  out->set_weights(ToWire(energy.weights));
+  out->set_basis(WireOf(kBases, energy.basis));
+  out->set_weights(WireOf(kWeights, energy.weights));
   Append(energy.rigidity, out->mutable_rigidity());
 }
 

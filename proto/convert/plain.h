@@ -85,6 +85,33 @@ Status PackPoints(std::span<const Complex> points, Array<double>* out);
 // kInvalidOption for a value of an enumeration that this version does not know.
 Fault UnknownValue(const std::string& field, int value);
 
+// A value of an enumeration on the wire and in the model. A table has a row for every value of the
+// wire but the first, "unspecified".
+template <class Wire, class Model>
+struct EnumRow {
+  Wire wire;
+  Model model;
+};
+
+template <class Wire, class Model, std::size_t kRows>
+Wire WireOf(const EnumRow<Wire, Model> (&table)[kRows], Model value) {
+  for (const auto& row : table) {
+    if (row.model == value) return row.wire;
+  }
+  return Wire{};
+}
+
+// `unspecified` is what is meant where nothing is said. Fault: UnknownValue's.
+template <class Wire, class Model, std::size_t kRows>
+Result<Model> ModelOf(const EnumRow<Wire, Model> (&table)[kRows], Wire value, Model unspecified,
+                      const std::string& field) {
+  if (value == Wire{}) return unspecified;
+  for (const auto& row : table) {
+    if (row.wire == value) return row.model;
+  }
+  return Fail(UnknownValue(field, value));
+}
+
 // kArrayLength unless `length` is a multiple of `group`.
 Status CheckGroups(int length, int group, const std::string& field);
 
