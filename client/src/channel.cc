@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <fstream>
 #include <iterator>
+#include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -12,6 +13,7 @@
 #include <grpcpp/security/credentials.h>
 #include <grpcpp/support/client_interceptor.h>
 
+#include "core/base/names.h"
 #include "core/base/try.h"
 
 namespace arap::client::internal {
@@ -47,31 +49,35 @@ Result<std::string> Slurp(const std::string& path, const char* field) {
   return Fail(Bad(field, path + " cannot be read: " + why + "."));
 }
 
+using Headers = std::vector<std::pair<std::string, std::string>>;
+
 class Sender final : public Interceptor {
  public:
-  explicit Sender(const std::string& value) : value_(value) {}
+  explicit Sender(const Headers& headers) : headers_(headers) {}
 
   void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override {
     if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_INITIAL_METADATA)) {
-      methods->GetSendInitialMetadata()->emplace("authorization", value_);
+      for (const auto& [name, value] : headers_) {
+        methods->GetSendInitialMetadata()->emplace(name, value);
+      }
     }
     methods->Proceed();
   }
 
  private:
-  const std::string& value_;
+  const Headers& headers_;
 };
 
 class SenderFactory final : public ClientInterceptorFactoryInterface {
  public:
-  explicit SenderFactory(const std::string& token) : value_("Bearer " + token) {}
+  explicit SenderFactory(Headers headers) : headers_(std::move(headers)) {}
 
   Interceptor* CreateClientInterceptor(grpc::experimental::ClientRpcInfo* /*info*/) override {
-    return new Sender(value_);
+    return new Sender(headers_);
   }
 
  private:
-  const std::string value_;  // lives as long as the channel, which the calls keep
+  const Headers headers_;  // live as long as the channel, which the calls keep
 };
 
 // kInvalidOption with the field: a certificate without key or the other way round, a token that is
@@ -85,6 +91,7 @@ Status Check(const std::string& address, const ConnectOptions& options) {
   const bool clean = std::all_of(options.token.begin(), options.token.end(),
                                  [](char c) { return c > ' ' && c <= '~'; });
   if (!clean) return Fail(Bad("token", "The token has characters that no token has."));
+  if (!options.user.empty()) CHECK_OK(CheckName(options.user, "user"));
   if (!options.token.empty() && !options.wants_tls() && !options.token_in_plaintext &&
       !IsLocal(address)) {
     return Fail(Bad("token", "The token would go to " + address +
@@ -103,12 +110,13 @@ Result<std::shared_ptr<grpc::ChannelCredentials>> CredentialsOf(const ConnectOpt
   return grpc::SslCredentials(files);
 }
 
-// What adds the token to every call, on secure channels and others. Empty without a token.
-Interceptors TokenSender(const ConnectOptions& options) {
+// What adds the token and the gateway's user to every call, on secure channels and others.
+Interceptors IdentitySender(const ConnectOptions& options) {
+  Headers headers;
+  if (!options.token.empty()) headers.emplace_back("authorization", "Bearer " + options.token);
+  if (!options.user.empty()) headers.emplace_back("x-arapd-owner", options.user);
   Interceptors interceptors;
-  if (!options.token.empty()) {
-    interceptors.push_back(std::make_unique<SenderFactory>(options.token));
-  }
+  if (!headers.empty()) interceptors.push_back(std::make_unique<SenderFactory>(std::move(headers)));
   return interceptors;
 }
 
@@ -142,7 +150,7 @@ Result<std::shared_ptr<Channel>> Channel::Open(const std::string& address,
   if (!options.server_name.empty()) arguments.SetSslTargetNameOverride(options.server_name);
   return std::shared_ptr<Channel>(new Channel([address, credentials, arguments, options] {
     return grpc::experimental::CreateCustomChannelWithInterceptors(address, credentials, arguments,
-                                                                   TokenSender(options));
+                                                                   IdentitySender(options));
   }));
 }
 

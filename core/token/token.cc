@@ -77,8 +77,8 @@ std::optional<std::chrono::sys_seconds> ParseExpiry(std::string_view text) {
 
 // A field that nobody knows is a slip, and a slip in "expires" or "limits" would let in too much.
 Status CheckFields(const Json& object, const Place& place) {
-  constexpr std::array<std::string_view, 7> kFields{"id",     "owner",   "role",  "salt",
-                                                    "sha256", "expires", "limits"};
+  constexpr std::array<std::string_view, 8> kFields{"id",     "owner",   "role",   "salt",
+                                                    "sha256", "expires", "limits", "user_limits"};
   for (const auto& [name, value] : object.items()) {
     if (std::find(kFields.begin(), kFields.end(), name) == kFields.end()) {
       return Fail(place.Bad(Shown(name), "is no field of a token"));
@@ -93,11 +93,12 @@ bool IsTokenLimit(std::string_view name) {
   });
 }
 
-Result<std::map<std::string, std::uint64_t>> ParseLimits(const Json& object, const Place& place) {
-  if (!object.is_object()) return Fail(place.Bad("limits", "is not an object"));
+Result<std::map<std::string, std::uint64_t>> ParseLimits(const Json& object, const char* of,
+                                                         const Place& place) {
+  if (!object.is_object()) return Fail(place.Bad(of, "is not an object"));
   std::map<std::string, std::uint64_t> limits;
   for (const auto& [name, value] : object.items()) {
-    const std::string field = "limits." + Shown(name);
+    const std::string field = fmt::format("{}.{}", of, Shown(name));
     if (!IsTokenLimit(name)) {
       return Fail(place.Bad(field, "is no limit of an owner"));
     }
@@ -122,11 +123,9 @@ Result<TokenEntry> ParseEntry(const Json& object, const Place& place) {
   if (entry.owner == kNobody) {
     return Fail(place.Bad("owner", "is the name of those who give no identity"));
   }
-  const std::string role = Text(object, "role");
-  if (role != "user" && role != "admin") {
-    return Fail(place.Bad("role", "is neither \"user\" nor \"admin\""));
-  }
-  entry.admin = role == "admin";
+  const auto role = TokenRoleOf(Text(object, "role"));
+  if (!role) return Fail(place.Bad("role", "is neither \"user\" nor \"admin\" nor \"gateway\""));
+  entry.role = *role;
   entry.salt = Text(object, "salt");
   if (!IsHex(entry.salt, kTokenSaltDigits)) {
     return Fail(place.Bad("salt", "is not 32 lower-case hexadecimal digits"));
@@ -142,7 +141,13 @@ Result<TokenEntry> ParseEntry(const Json& object, const Place& place) {
     }
   }
   if (object.contains("limits")) {
-    TRY(entry.limits, ParseLimits(object["limits"], place));
+    TRY(entry.limits, ParseLimits(object["limits"], "limits", place));
+  }
+  if (object.contains("user_limits")) {
+    if (entry.role != TokenRole::kGateway) {
+      return Fail(place.Bad("user_limits", "is for gateways only"));
+    }
+    TRY(entry.user_limits, ParseLimits(object["user_limits"], "user_limits", place));
   }
   return entry;
 }
@@ -150,11 +155,12 @@ Result<TokenEntry> ParseEntry(const Json& object, const Place& place) {
 OrderedJson ToJson(const TokenEntry& entry) {
   OrderedJson json{{"id", entry.id},
                    {"owner", entry.owner},
-                   {"role", entry.admin ? "admin" : "user"},
+                   {"role", NameOf(entry.role)},
                    {"salt", entry.salt},
                    {"sha256", entry.sha256}};
   if (entry.expires) json["expires"] = FormatExpiry(*entry.expires);
   if (!entry.limits.empty()) json["limits"] = entry.limits;
+  if (!entry.user_limits.empty()) json["user_limits"] = entry.user_limits;
   return json;
 }
 
@@ -212,6 +218,12 @@ Result<NewToken> MakeToken() {
   TRY(token.sha256, HashSecret(token.salt, secret));
   token.text = std::string(kPrefix) + token.id + "_" + secret;
   return token;
+}
+
+std::optional<TokenRole> TokenRoleOf(std::string_view name) {
+  const auto* const found = std::find(std::begin(kTokenRoles), std::end(kTokenRoles), name);
+  if (found == std::end(kTokenRoles)) return std::nullopt;
+  return static_cast<TokenRole>(found - std::begin(kTokenRoles));
 }
 
 Result<std::vector<TokenEntry>> ParseTokenFile(std::string_view text, const std::string& name) {

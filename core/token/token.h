@@ -9,11 +9,13 @@
 //
 //   {"id": "…32 digits…",
 //    "owner": "alice",                      a name (core/base/names.h), but not "anonymous"
-//    "role": "user",                        or "admin"
+//    "role": "user",                        or "admin" or "gateway"
 //    "salt": "…32 digits…",
 //    "sha256": "…64 digits…",               see HashSecret
 //    "expires": "2027-01-31T00:00:00Z",     optional, UTC
-//    "limits": {"max_sessions": 10, …}}     optional: those with a TokenName
+//    "limits": {"max_sessions": 10, …},     optional: those with a TokenName
+//    "user_limits": {"max_sessions": 1, …}} likewise, of gateways only: for each of its users; the
+//                                           "limits" are for the gateway and its users together
 #pragma once
 
 #include <chrono>
@@ -60,16 +62,25 @@ struct NewToken {
 // Id, salt and secret are random. kInternal when the system has no random numbers.
 Result<NewToken> MakeToken();
 
+enum class TokenRole { kUser, kAdmin, kGateway };
+
+// By their numbers, as the file and `arapctl token` spell them.
+inline constexpr const char* kTokenRoles[] = {"user", "admin", "gateway"};
+inline const char* NameOf(TokenRole role) { return kTokenRoles[static_cast<int>(role)]; }
+// Nothing for any other text.
+std::optional<TokenRole> TokenRoleOf(std::string_view name);
+
 struct TokenEntry {
   std::string id;
   std::string owner;
-  bool admin = false;
+  TokenRole role = TokenRole::kUser;
   std::string salt;
   std::string sha256;
   // Seconds, because the clock's nanoseconds end in the year 2262 and the file's years in 9999.
   std::optional<std::chrono::sys_seconds> expires;
   // Of the owner for calls with this token, by name; what is missing is the server's.
   std::map<std::string, std::uint64_t> limits;
+  std::map<std::string, std::uint64_t> user_limits;  // of each user of a gateway
 };
 
 // The entries of a file's text; `name` is the file's, for messages. kInvalidOption with the file,

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include "core/base/names.h"
 #include "core/base/try.h"
 #include "core/token/digest.h"
 #include "core/token/token.h"
@@ -16,9 +17,26 @@
 namespace arap::app {
 namespace {
 
+Role RoleOf(TokenRole role) {
+  switch (role) {
+    case TokenRole::kAdmin:
+      return Role::kAdmin;
+    case TokenRole::kGateway:
+      return Role::kGateway;
+    case TokenRole::kUser:
+      break;
+  }
+  return Role::kUser;
+}
+
 // What an unknown id is compared with.
 TokenFile::Entry NoEntry() {
-  return {{}, std::string(kTokenSaltDigits, '0'), std::string(kTokenSecretDigits, '0'), {}};
+  return {{}, {}, std::string(kTokenSaltDigits, '0'), std::string(kTokenSecretDigits, '0'), {}};
+}
+
+// Whether calls with the token can be this owner's.
+bool HasOwner(const Caller& caller, std::string_view owner) {
+  return caller.role == Role::kGateway ? BelongsTo(owner, caller.owner) : owner == caller.owner;
 }
 
 // In seconds: as the clock's nanoseconds, times after 2262 would overflow.
@@ -26,12 +44,12 @@ bool HasExpired(const TokenFile::Entry& entry, TokenFile::Wall now) {
   return entry.expires && *entry.expires <= std::chrono::floor<std::chrono::seconds>(now);
 }
 
-// The limits of the entry, or else the defaults.
-OwnerLimits LimitsOf(const TokenEntry& entry, OwnerLimits limits) {
+// Those that are stated, or else the defaults.
+OwnerLimits LimitsOf(const std::map<std::string, std::uint64_t>& of_token, OwnerLimits limits) {
   for (const LimitInfo& info : kLimits) {
     const auto* const member = std::get_if<std::size_t OwnerLimits::*>(&info.member);
-    const auto stated = entry.limits.find(std::string(TokenName(info)));
-    if (member != nullptr && stated != entry.limits.end()) limits.** member = stated->second;
+    const auto stated = of_token.find(std::string(TokenName(info)));
+    if (member != nullptr && stated != of_token.end()) limits.** member = stated->second;
   }
   return limits;
 }
@@ -59,10 +77,12 @@ Result<TokenFile> TokenFile::Parse(std::string_view json, const std::string& nam
   TRY(std::vector<TokenEntry> entries, ParseTokenFile(json, name));
   TokenFile file;
   for (TokenEntry& entry : entries) {
-    const Role role = entry.admin ? Role::kAdmin : Role::kUser;
-    Caller caller{std::move(entry.owner), role, LimitsOf(entry, defaults)};
-    file.entries_.emplace(std::move(entry.id), Entry{std::move(caller), std::move(entry.salt),
-                                                     std::move(entry.sha256), entry.expires});
+    const OwnerLimits limits = LimitsOf(entry.limits, defaults);
+    Caller caller{std::move(entry.owner), RoleOf(entry.role), limits};
+    if (caller.role == Role::kGateway) caller.gateway = Gateway{caller.owner, limits};
+    file.entries_.emplace(std::move(entry.id),
+                          Entry{std::move(caller), LimitsOf(entry.user_limits, defaults),
+                                std::move(entry.salt), std::move(entry.sha256), entry.expires});
   }
   return file;
 }
@@ -85,7 +105,8 @@ Result<TokenFile> TokenFile::Read(const std::string& path, const OwnerLimits& de
   return Parse(text, path, defaults);
 }
 
-Result<Caller> TokenFile::Check(std::string_view token, Wall now) const {
+Result<Caller> TokenFile::Check(std::string_view token, Wall now,
+                                const std::optional<std::string>& user) const {
   const auto parts = SplitToken(token);
   if (!parts) return Fail(FaultKind::kUnauthenticated, "The bearer token is not one of arapd's.");
   const auto found = entries_.find(parts->id);
@@ -99,12 +120,22 @@ Result<Caller> TokenFile::Check(std::string_view token, Wall now) const {
   if (HasExpired(entry, now)) {
     return Fail(FaultKind::kUnauthenticated, "The bearer token has expired.");
   }
-  return entry.caller;
+  if (!user) return entry.caller;
+  if (entry.caller.role != Role::kGateway) {
+    return Fail(FaultKind::kPermissionDenied,
+                "The header x-arapd-owner is for tokens with the role gateway.");
+  }
+  CHECK_OK(CheckName(*user, "x-arapd-owner"));
+  Caller caller = entry.caller;
+  caller.owner += "/" + *user;
+  caller.role = Role::kUser;
+  caller.limits = entry.user_limits;
+  return caller;
 }
 
 bool TokenFile::Holds(std::string_view id, std::string_view owner, Wall now) const {
   const auto found = entries_.find(id);
-  return found != entries_.end() && found->second.caller.owner == owner &&
+  return found != entries_.end() && HasOwner(found->second.caller, owner) &&
          !HasExpired(found->second, now);
 }
 
@@ -118,13 +149,13 @@ Result<std::shared_ptr<Tokens>> Tokens::Open(std::string path, const OwnerLimits
   return tokens;
 }
 
-Result<Caller> Tokens::Check(std::string_view token) const {
+Result<Caller> Tokens::Check(std::string_view token, const std::optional<std::string>& user) const {
   std::shared_ptr<const TokenFile> file;
   {
     const MutexLock lock(&mutex_);
     file = file_;
   }
-  return file->Check(token, clock_.WallNow());
+  return file->Check(token, clock_.WallNow(), user);
 }
 
 Status Tokens::Reload() {

@@ -39,16 +39,20 @@ class TokenFile {
   static Result<TokenFile> Read(const std::string& path, const OwnerLimits& defaults);
 
   // Whose token this is; kUnauthenticated for one of the wrong form, that is not in the file or has
-  // expired. Costs one digest, whether the id is known or not, and compares in constant time.
-  Result<Caller> Check(std::string_view token, Wall now) const;
+  // expired. With a `user` it has to be a gateway's, and the caller is that user of the gateway:
+  // kPermissionDenied for another role, kInvalidName for what is no name. Costs one digest, whether
+  // the id is known or not, and compares in constant time.
+  Result<Caller> Check(std::string_view token, Wall now,
+                       const std::optional<std::string>& user = {}) const;
 
-  // Whether the token of this id is still `owner`'s and has not expired.
+  // Whether the token of this id is still `owner`'s, or that of its gateway, and has not expired.
   bool Holds(std::string_view id, std::string_view owner, Wall now) const;
 
   std::size_t size() const { return entries_.size(); }
 
   struct Entry {
     Caller caller;
+    OwnerLimits user_limits;  // of a gateway
     std::string salt;
     std::string sha256;
     std::optional<std::chrono::sys_seconds> expires;
@@ -70,7 +74,7 @@ class Tokens : public std::enable_shared_from_this<Tokens> {
                                               const runtime::Clock& clock);
 
   // As TokenFile::Check, now.
-  Result<Caller> Check(std::string_view token) const;
+  Result<Caller> Check(std::string_view token, const std::optional<std::string>& user = {}) const;
 
   // Reads the file again. Calls from then on are judged by it, and whoever is watched under a token
   // that it does not hold any more is told. When it cannot be used its fault is answered and the

@@ -86,6 +86,20 @@ Result<DerivedCache::Reservation> DerivedCache::Reserve(const Caller& caller, st
           owner_fits, [&](const Entry& e) { return e.key.owner == caller.owner; }, gone)) {
     return refuse("max_bytes_per_owner", most);
   }
+  if (caller.gateway) {
+    const auto& [gateway, limits] = *caller.gateway;
+    const auto gateway_fits = [&, &gateway = gateway, &limits = limits] {
+      mutex_.AssertHeld();
+      const std::size_t used = UsedUnderLocked(gateway);
+      return used <= limits.max_bytes && bytes <= limits.max_bytes - used;
+    };
+    const auto counts = [&gateway = gateway](const Entry& e) {
+      return BelongsTo(e.key.owner, gateway);
+    };
+    if (bytes > limits.max_bytes || !MakeRoomLocked(gateway_fits, counts, gone)) {
+      return refuse("max_bytes_per_gateway", limits.max_bytes);
+    }
+  }
   if (bytes > max_bytes_ || !MakeRoomOfAllLocked(all_fit, gone)) {
     return refuse("max_bytes", max_bytes_);
   }
@@ -150,6 +164,14 @@ std::size_t DerivedCache::UsedLocked(const std::string& owner) const {
   std::size_t used = found == owner_bytes_.end() ? 0 : found->second;
   for (const Leaving& one : leaving_) {
     used += one.owner == owner && !one.value.expired() ? one.bytes : 0;
+  }
+  return used;
+}
+
+std::size_t DerivedCache::UsedUnderLocked(const std::string& gateway) const {
+  std::size_t used = SumOf(owner_bytes_, gateway);
+  for (const Leaving& one : leaving_) {
+    used += BelongsTo(one.owner, gateway) && !one.value.expired() ? one.bytes : 0;
   }
   return used;
 }

@@ -73,8 +73,8 @@ class DerivedCache {
     std::string owner_;
     std::size_t bytes_ = 0;
   };
-  // Makes room for `bytes` of this owner. kLimitExceeded with "max_bytes_per_owner" or "max_bytes"
-  // when what is in use leaves no room.
+  // Makes room for `bytes` of this owner. kLimitExceeded with "max_bytes_per_owner",
+  // "max_bytes_per_gateway" or "max_bytes" when what is in use leaves no room.
   Result<Reservation> Reserve(const Caller& caller, std::size_t bytes);
   // Counts `bytes` that are there already, whether or not there is room.
   Reservation Hold(const std::string& owner, std::size_t bytes);
@@ -143,6 +143,9 @@ class DerivedCache {
   void DropLeftLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   std::size_t UsedLocked() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   std::size_t UsedLocked(const std::string& owner) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // By a gateway and its users.
+  std::size_t UsedUnderLocked(const std::string& gateway) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TrimLocked(Garbage& gone) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // The same for the sake of all owners.
   bool MakeRoomOfAllLocked(const std::function<bool()>& enough, Garbage& gone)

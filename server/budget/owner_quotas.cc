@@ -5,9 +5,45 @@
 
 namespace arap::app {
 
-OwnerQuotas::Place OwnerQuotas::Enter(const std::string& owner, const store::Usage& more) {
+namespace {
+
+// What competes with `wanted`: only who adds meshes adds bytes that are looked at.
+store::Usage CompetingPart(const store::Usage& more, const store::Usage& wanted) {
+  store::Usage part;
+  if (wanted.sessions > 0) part.sessions = more.sessions;
+  if (wanted.meshes > 0) part.meshes = more.meshes;
+  if (wanted.handle_sets > 0) part.handle_sets = more.handle_sets;
+  if (wanted.bytes > 0) part.bytes = more.bytes;
+  return part;
+}
+
+struct QuotaRow {
+  const char* name;
+  std::size_t store::Usage::*used;
+  std::size_t OwnerLimits::*limit;
+};
+constexpr QuotaRow kQuotas[] = {
+    {"max_sessions", &store::Usage::sessions, &OwnerLimits::max_sessions},
+    {"max_meshes", &store::Usage::meshes, &OwnerLimits::max_meshes},
+    {"max_handle_sets", &store::Usage::handle_sets, &OwnerLimits::max_handle_sets},
+    {"max_stored_bytes", &store::Usage::bytes, &OwnerLimits::max_stored_bytes},
+};
+
+// The row that has no room for `more`, or null.
+const QuotaRow* FullRow(const store::Usage& used, const store::Usage& more,
+                        const OwnerLimits& most) {
+  for (const QuotaRow& row : kQuotas) {
+    if (more.*row.used > 0 && used.*row.used + more.*row.used > most.*row.limit) return &row;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+OwnerQuotas::Place OwnerQuotas::Enter(const Caller& caller, const store::Usage& more) {
   const MutexLock lock(&mutex_);
-  taken_.emplace(++last_, Taken{owner, more});
+  const std::string gateway = caller.gateway ? caller.gateway->owner : "";
+  taken_.emplace(++last_, Taken{caller.owner, gateway, more});
   return Place(this, last_);
 }
 
@@ -22,14 +58,10 @@ OwnerQuotas::Ahead OwnerQuotas::AheadLocked(std::uint64_t number) const {
   const Taken& mine = taken_.at(number);
   for (const auto& [other, taken] : taken_) {
     if (other == number) break;
-    // Only what competes for the same quota.
-    if (mine.more.sessions > 0) ahead.sessions += taken.more.sessions;
-    if (taken.owner != mine.owner) continue;
-    if (mine.more.sessions > 0) ahead.owner.sessions += taken.more.sessions;
-    if (mine.more.meshes > 0) ahead.owner.meshes += taken.more.meshes;
-    // Only who adds meshes adds bytes that are looked at.
-    if (mine.more.bytes > 0) ahead.owner.bytes += taken.more.bytes;
-    if (mine.more.handle_sets > 0) ahead.owner.handle_sets += taken.more.handle_sets;
+    const store::Usage part = CompetingPart(taken.more, mine.more);
+    ahead.all.sessions += part.sessions;
+    if (!mine.gateway.empty() && taken.gateway == mine.gateway) ahead.gateway += part;
+    if (taken.owner == mine.owner) ahead.owner += part;
   }
   return ahead;
 }
@@ -39,12 +71,14 @@ OwnerQuotas::Ahead OwnerQuotas::AheadOf(std::uint64_t number) const {
   return AheadLocked(number);
 }
 
-void OwnerQuotas::WaitForThoseAhead(std::uint64_t number, bool of_all) {
+void OwnerQuotas::WaitForThoseAhead(std::uint64_t number, Shared shared) {
   const MutexLock lock(&mutex_);
   for (;;) {
     const Ahead ahead = AheadLocked(number);
-    const store::Usage& owner = ahead.owner;
-    if ((of_all ? ahead.sessions : owner.sessions + owner.meshes + owner.handle_sets) == 0) return;
+    const store::Usage& those = shared == Shared::kByOwner     ? ahead.owner
+                                : shared == Shared::kByGateway ? ahead.gateway
+                                                               : ahead.all;
+    if (those.sessions + those.meshes + those.handle_sets == 0) return;
     left_.Wait(&mutex_);
   }
 }
@@ -53,43 +87,47 @@ Result<std::optional<OwnerQuotas::Shortage>> OwnerQuotas::Find(const Caller& cal
                                                                const store::Usage& more,
                                                                const Ahead& ahead) {
   if (more.sessions + more.meshes + more.handle_sets == 0) return std::nullopt;
-  TRY(const store::Usage usage, store_.UsageOf(caller.owner));
-  const OwnerLimits& most = caller.limits;
-  const auto full = [](std::size_t used, std::size_t others, std::size_t wanted,
-                       std::size_t limit) { return wanted > 0 && used + others + wanted > limit; };
-  if (full(usage.sessions, ahead.owner.sessions, more.sessions, most.max_sessions)) {
-    return Shortage{"max_sessions_per_owner", most.max_sessions};
+  TRY(store::Usage used, store_.UsageOf(caller.owner));
+  used += ahead.owner;
+  if (const QuotaRow* full = FullRow(used, more, caller.limits)) {
+    return Shortage{std::string(full->name) + "_per_owner", caller.limits.*full->limit,
+                    Shared::kByOwner};
   }
-  if (full(usage.meshes, ahead.owner.meshes, more.meshes, most.max_meshes)) {
-    return Shortage{"max_meshes_per_owner", most.max_meshes};
-  }
-  if (full(usage.handle_sets, ahead.owner.handle_sets, more.handle_sets, most.max_handle_sets)) {
-    return Shortage{"max_handle_sets_per_owner", most.max_handle_sets};
-  }
-  if (full(usage.bytes, ahead.owner.bytes, more.bytes, most.max_stored_bytes)) {
-    return Shortage{"max_stored_bytes_per_owner", most.max_stored_bytes};
+  if (caller.gateway) {
+    const OwnerLimits& most = caller.gateway->limits;
+    TRY(store::Usage together, store_.UsageUnder(caller.gateway->owner));
+    together += ahead.gateway;
+    if (const QuotaRow* full = FullRow(together, more, most)) {
+      return Shortage{std::string(full->name) + "_per_gateway", most.*full->limit,
+                      Shared::kByGateway};
+    }
   }
   if (more.sessions == 0) return std::nullopt;
   TRY(const std::size_t count, store_.Count());
-  if (full(count, ahead.sessions, more.sessions, limits_.max_sessions)) {
-    return Shortage{"max_sessions", limits_.max_sessions, true};
+  if (count + ahead.all.sessions + more.sessions > limits_.max_sessions) {
+    return Shortage{"max_sessions", limits_.max_sessions, Shared::kByAll};
   }
   return std::nullopt;
 }
 
 Result<OwnerQuotas::Place> OwnerQuotas::Take(const Caller& caller, const store::Usage& more) {
+  const auto never_fits = [&more](const char* quota, const OwnerLimits& most) {
+    return TooLarge("What is to be stored", quota, more.bytes, most.max_stored_bytes);
+  };
   if (more.bytes > caller.limits.max_stored_bytes) {
-    return Fail(TooLarge("What is to be stored", "max_stored_bytes_per_owner", more.bytes,
-                         caller.limits.max_stored_bytes));
+    return Fail(never_fits("max_stored_bytes_per_owner", caller.limits));
   }
-  Place place = Enter(caller.owner, more);
+  if (caller.gateway && more.bytes > caller.gateway->limits.max_stored_bytes) {
+    return Fail(never_fits("max_stored_bytes_per_gateway", caller.gateway->limits));
+  }
+  Place place = Enter(caller, more);
   for (;;) {
     TRY(const auto shortage, Find(caller, more, AheadOf(place.number_)));
     if (!shortage) return place;
     // Whatever becomes of the places ahead.
     TRY(const auto certain, Find(caller, more, {}));
     if (certain) return Fail(QuotaFull(certain->quota, certain->limit));
-    WaitForThoseAhead(place.number_, shortage->of_all);
+    WaitForThoseAhead(place.number_, shortage->shared);
   }
 }
 

@@ -50,32 +50,37 @@ class OwnerQuotas {
   };
 
   // A place for `more`. kLimitExceeded with the quota that is used up: max_sessions_per_owner,
-  // max_sessions, max_meshes_per_owner, max_handle_sets_per_owner or max_stored_bytes_per_owner,
-  // whose fault says so when `more` would never fit. The faults of the store.
+  // max_meshes_per_owner, max_handle_sets_per_owner, max_stored_bytes_per_owner, the same four
+  // "_per_gateway" for a caller of a gateway, or max_sessions. When `more` would never fit the
+  // fault says so. The faults of the store.
   Result<Place> Take(const Caller& caller, const store::Usage& more);
 
  private:
+  // Who shares a quota.
+  enum class Shared { kByOwner, kByGateway, kByAll };
   struct Taken {
     std::string owner;
+    std::string gateway;  // empty: of none
     store::Usage more;
   };
   struct Ahead {
-    store::Usage owner;        // of the same owner
-    std::size_t sessions = 0;  // of all owners
+    store::Usage owner;    // of the same owner
+    store::Usage gateway;  // of the same gateway
+    store::Usage all;      // of all owners
   };
-  // The quota that leaves no room, and whether all owners share it.
+  // The quota that leaves no room.
   struct Shortage {
-    const char* quota = nullptr;
+    std::string quota;
     std::size_t limit = 0;
-    bool of_all = false;
+    Shared shared = Shared::kByOwner;
   };
 
-  Place Enter(const std::string& owner, const store::Usage& more);
+  Place Enter(const Caller& caller, const store::Usage& more);
   void Leave(std::uint64_t number);
   // What places with smaller numbers are for.
   Ahead AheadOf(std::uint64_t number) const;
   Ahead AheadLocked(std::uint64_t number) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void WaitForThoseAhead(std::uint64_t number, bool of_all);
+  void WaitForThoseAhead(std::uint64_t number, Shared shared);
   // With `ahead` counted too.
   Result<std::optional<Shortage>> Find(const Caller& caller, const store::Usage& more,
                                        const Ahead& ahead);

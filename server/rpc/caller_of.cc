@@ -9,12 +9,14 @@
 #include <grpcpp/server_context.h>
 
 #include "core/base/names.h"
+#include "core/base/try.h"
 #include "server/runtime/worker_pool.h"
 
 namespace arap::rpc {
 namespace {
 
 constexpr const char* kHeader = "authorization";
+constexpr const char* kUserHeader = "x-arapd-owner";
 // gRPC's name for it; there is a value only when the handshake has verified the certificate.
 constexpr const char* kCommonName = "x509_common_name";
 
@@ -47,6 +49,14 @@ Result<std::optional<std::string_view>> TokenOf(const grpc::CallbackServerContex
   return std::optional(value.substr(kScheme));
 }
 
+// The user that a gateway speaks for, if it names one.
+Result<std::optional<std::string>> UserOf(const grpc::CallbackServerContext& context) {
+  const auto [first, last] = context.client_metadata().equal_range(kUserHeader);
+  if (first == last) return std::optional<std::string>();
+  if (std::next(first) != last) return Refused("The header x-arapd-owner is there twice.");
+  return std::optional(std::string(View(first->second)));
+}
+
 std::optional<std::string> CommonNameOf(const grpc::CallbackServerContext& context) {
   const auto auth = context.auth_context();
   if (!auth) return std::nullopt;
@@ -59,10 +69,12 @@ std::optional<std::string> CommonNameOf(const grpc::CallbackServerContext& conte
 Result<app::Caller> Identify(const grpc::CallbackServerContext& context, const Identity& identity) {
   const auto token = TokenOf(context);
   if (!token) return Fail(token.error());
+  TRY(const auto user, UserOf(context));
   if (*token) {
     if (!identity.tokens) return Refused("This server takes no bearer tokens.");
-    return identity.tokens->Check(**token);
+    return identity.tokens->Check(**token, user);
   }
+  if (user) return Refused("The header x-arapd-owner needs the bearer token of a gateway.");
   if (auto name = CommonNameOf(context)) {
     if (!IsName(*name) || *name == app::kNobody) {
       return Refused("The common name of the client certificate is not a name of an owner.");

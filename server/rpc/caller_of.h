@@ -29,8 +29,9 @@ struct Identity {
 // The header "authorization: Bearer TOKEN" decides when it is there: a token that does not hold is
 // never excused by a certificate. Without it the common name of a verified client certificate is
 // the owner, with the role of a user. Without either the owner is kNobody. Faults:
-// kUnauthenticated, which says what is missing and nothing of what was sent. The header
-// x-session-id plays no part.
+// kUnauthenticated, which says what is missing and nothing of what was sent. With the token of a
+// gateway the header "x-arapd-owner: NAME" makes the caller the owner "GATEWAY/NAME"; without such a
+// token it is refused. The header x-session-id plays no part.
 Result<app::Caller> CallerOf(const grpc::CallbackServerContext& context, const Identity& identity);
 
 // For calls that last: `lost` runs with kUnauthenticated when the token that the call came with does

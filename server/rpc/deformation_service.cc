@@ -3,8 +3,8 @@
 
 #include <arap/v1/deformation_service.grpc.pb.h>
 
-#include "core/base/names.h"
 #include "core/base/try.h"
+#include "server/access/caller.h"
 #include "server/budget/faults.h"
 #include "server/rpc/convert.h"
 #include "server/rpc/long_calls.h"
@@ -25,7 +25,7 @@ namespace {
 Result<std::string> OwnerOf(const Call& call, const std::string& owner, Fault missing) {
   const app::Caller& caller = call.caller;
   if (owner.empty() || owner == caller.owner) return caller.owner;
-  if (caller.role == app::Role::kAdmin && IsName(owner)) return owner;
+  if (caller.role == app::Role::kAdmin && app::IsOwner(owner)) return owner;
   return Fail(std::move(missing));
 }
 

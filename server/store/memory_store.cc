@@ -2,9 +2,19 @@
 
 #include <utility>
 
+#include "core/base/try.h"
 #include "server/store/store.h"
 
 namespace arap::store {
+namespace {
+
+Usage UsageOfRecord(const SessionRecord& record) {
+  Usage usage{1, record.meshes.size(), record.handle_sets.size(), 0};
+  for (const auto& [id, mesh] : record.meshes) usage.bytes += mesh.bytes;
+  return usage;
+}
+
+}  // namespace
 
 Result<std::optional<SessionRecord>> MemorySpecStore::Load(const SessionKey& key) {
   const MutexLock lock(&mutex_);
@@ -78,10 +88,18 @@ Result<Usage> MemorySpecStore::UsageOf(const std::string& owner) {
   Usage usage;
   for (auto at = records_.lower_bound({owner, ""});
        at != records_.end() && at->first.owner == owner; ++at) {
-    ++usage.sessions;
-    usage.meshes += at->second.meshes.size();
-    usage.handle_sets += at->second.handle_sets.size();
-    for (const auto& [id, mesh] : at->second.meshes) usage.bytes += mesh.bytes;
+    usage += UsageOfRecord(at->second);
+  }
+  return usage;
+}
+
+Result<Usage> MemorySpecStore::UsageUnder(const std::string& owner) {
+  TRY(Usage usage, UsageOf(owner));
+  const MutexLock lock(&mutex_);
+  const std::string under = owner + "/";
+  for (auto at = records_.lower_bound({under, ""});
+       at != records_.end() && at->first.owner.starts_with(under); ++at) {
+    usage += UsageOfRecord(at->second);
   }
   return usage;
 }

@@ -23,6 +23,7 @@ class MemorySpecStore : public SpecStore {
                                           std::size_t limit) override;
   Result<std::vector<std::string>> Owners() override;
   Result<Usage> UsageOf(const std::string& owner) override;
+  Result<Usage> UsageUnder(const std::string& owner) override;
   Result<std::size_t> Count() override;
   Result<std::vector<SessionKey>> RemoveExpired(runtime::Clock::Wall now,
                                                 std::size_t limit) override;

@@ -127,6 +127,9 @@ class MeasuredSpecs final : public SpecStore {
   Result<Usage> UsageOf(const std::string& owner) override {
     return Timed(metrics_, "usage", [&] { return store_->UsageOf(owner); });
   }
+  Result<Usage> UsageUnder(const std::string& owner) override {
+    return Timed(metrics_, "usage", [&] { return store_->UsageUnder(owner); });
+  }
   Result<std::size_t> Count() override {
     return Timed(metrics_, "count", [&] { return store_->Count(); });
   }

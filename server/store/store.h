@@ -91,6 +91,14 @@ struct Usage {
   // Of the records, and of the blobs that they name; a blob that several sessions name counts for
   // each.
   std::size_t bytes = 0;
+
+  Usage& operator+=(const Usage& more) {
+    sessions += more.sessions;
+    meshes += more.meshes;
+    handle_sets += more.handle_sets;
+    bytes += more.bytes;
+    return *this;
+  }
 };
 
 // Why a store may lose what it has acknowledged, or why something is wrong with it otherwise.
@@ -146,6 +154,8 @@ class SpecStore {
   // The owners that have sessions, ascending.
   virtual Result<std::vector<std::string>> Owners() = 0;
   virtual Result<Usage> UsageOf(const std::string& owner) = 0;
+  // Of the owner and of those whose names begin with its own and a slash. Costs a look at each.
+  virtual Result<Usage> UsageUnder(const std::string& owner) = 0;
   // Sessions of all owners.
   virtual Result<std::size_t> Count() = 0;
 

@@ -23,6 +23,10 @@ Status OpenStreams::Add(const std::shared_ptr<LongCall>& call, const Caller& cal
   if (owned != by_owner_.end() && owned->second >= caller.limits.max_streams) {
     return Fail(QuotaFull("max_streams_per_owner", caller.limits.max_streams));
   }
+  if (const auto& gateway = caller.gateway;
+      gateway && SumOf(by_owner_, gateway->owner) >= gateway->limits.max_streams) {
+    return Fail(QuotaFull("max_streams_per_gateway", gateway->limits.max_streams));
+  }
   calls_.emplace(call.get(), Entry{call, caller.owner});
   ++by_owner_[caller.owner];
   return {};

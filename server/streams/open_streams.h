@@ -30,8 +30,8 @@ class OpenStreams {
  public:
   explicit OpenStreams(std::size_t limit) : limit_(limit) {}
 
-  // kLimitExceeded when `limit` streams or max_streams of the caller's owner are open, kDraining
-  // after Drain.
+  // kLimitExceeded when `limit` streams or max_streams of the caller's owner or of its gateway are
+  // open, kDraining after Drain.
   Status Add(const std::shared_ptr<LongCall>& call, const Caller& caller);
   // Harmless for a call that was refused.
   void Remove(const LongCall* call);

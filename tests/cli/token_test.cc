@@ -66,6 +66,22 @@ TEST_F(TokenCommand, TheServerKnowsTheTokensThatItMakes) {
   EXPECT_FALSE(tokens.Check(root, now + std::chrono::hours(49)));
 }
 
+TEST_F(TokenCommand, GatewaysHaveLimitsOfTheirOwnAndOfTheirUsers) {
+  const std::string hub =
+      Add({"hub", "--role", "gateway", "--max-sessions", "50", "--user-max-sessions", "5"});
+  const auto user = Read().Check(hub, std::chrono::system_clock::now(), "mia");
+  ASSERT_TRUE(user) << user.error().message;
+  EXPECT_EQ(user->limits.max_sessions, 5u);
+  ASSERT_TRUE(user->gateway);
+  EXPECT_EQ(user->gateway->limits.max_sessions, 50u);
+  const Outcome list = Arapctl({"token", "list", "--file", file()});
+  EXPECT_THAT(list.out, HasSubstr("hub gateway never max_sessions=50 user_max_sessions=5"));
+  const Outcome wrong =
+      Arapctl({"token", "add", "--file", file(), "--owner", "bob", "--user-max-sessions", "5"});
+  EXPECT_NE(wrong.code, 0);
+  EXPECT_THAT(wrong.err, HasSubstr("--role gateway"));
+}
+
 TEST_F(TokenCommand, TheFileKeepsNoSecretAndLetsNobodyIn) {
   const std::string token = Add({"alice"});
   const std::string text = Slurp(file());

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
@@ -26,9 +27,9 @@ namespace {
 struct TokenFlags {
   std::string file;
   std::string owner;
-  std::string role = "user";
+  std::string role = NameOf(TokenRole::kUser);
   int expires_days = 0;  // 0: never
-  std::map<std::string, std::uint64_t> limits;
+  std::map<std::string, std::uint64_t> limits, user_limits;
   std::string id;
 };
 
@@ -47,10 +48,14 @@ Status Add(const TokenFlags& flags) {
   TokenEntry entry;
   entry.id = token.id;
   entry.owner = flags.owner;
-  entry.admin = flags.role == "admin";
+  entry.role = TokenRoleOf(flags.role).value_or(TokenRole::kUser);
   entry.salt = token.salt;
   entry.sha256 = token.sha256;
   entry.limits = flags.limits;
+  entry.user_limits = flags.user_limits;
+  if (entry.role != TokenRole::kGateway && !entry.user_limits.empty()) {
+    return Fail(FaultKind::kInvalidOption, "Limits of users are for tokens with --role gateway.");
+  }
   if (flags.expires_days > 0) {
     entry.expires = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()) +
                     std::chrono::days(flags.expires_days);
@@ -80,9 +85,10 @@ Status List(const TokenFlags& flags) {
       continue;
     }
     const TokenEntry& entry = *raw.entry;
-    fmt::print("{} {} {} {}", entry.id, entry.owner, entry.admin ? "admin" : "user",
+    fmt::print("{} {} {} {}", entry.id, entry.owner, NameOf(entry.role),
                entry.expires ? FormatExpiry(*entry.expires) : "never");
     for (const auto& [name, value] : entry.limits) fmt::print(" {}={}", name, value);
+    for (const auto& [name, value] : entry.user_limits) fmt::print(" user_{}={}", name, value);
     fmt::print("\n");
   }
   return {};
@@ -132,8 +138,12 @@ void AddToken(CLI::App& app, Run& run) {
   CLI::App* const add =
       AddAction(*token, "add", "Make a token, print it once and keep its hash", flags, run, &Add);
   add->add_option("--owner", flags->owner, "whose sessions it sees")->required()->check(CheckOwner);
-  add->add_option("--role", flags->role, "user; or admin, who also lists and ends others' sessions")
-      ->check(CLI::IsMember({"user", "admin"}))
+  add->add_option("--role", flags->role,
+                  "user; or admin, who also lists and ends others' sessions; or gateway, which "
+                  "names the user "
+                  "of each call in the header x-arapd-owner")
+      ->check(
+          CLI::IsMember(std::vector<std::string>(std::begin(kTokenRoles), std::end(kTokenRoles))))
       ->capture_default_str();
   add->add_option("--expires-days", flags->expires_days, "how long it holds (default: for ever)")
       ->check(CLI::Range(1, 36'500));
@@ -141,14 +151,21 @@ void AddToken(CLI::App& app, Run& run) {
     const std::string_view limit = TokenName(info);
     if (limit.empty()) continue;
     const std::string field(limit);
-    std::string flag = "--" + field;
+    std::string flag = field;
     std::replace(flag.begin(), flag.end(), '_', '-');
-    add->add_option_function<std::uint64_t>(
-           flag, [flags, field](std::uint64_t value) { flags->limits[field] = value; },
-           "limit of its owner (default: the server's)")
-        // Reading it as a number without sign would take -1 for a very large one.
-        ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
-        ->group("Limits");
+    const auto option = [&](const std::string& name, auto member, const char* help) {
+      add->add_option_function<std::uint64_t>(
+             name,
+             [flags, field, member](std::uint64_t value) { ((*flags).*member)[field] = value; },
+             help)
+          // Reading it as a number without sign would take -1 for a very large one.
+          ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
+          ->group("Limits");
+    };
+    option("--" + flag, &TokenFlags::limits,
+           "limit of its owner, of a gateway with all its users (default: the server's)");
+    option("--user-" + flag, &TokenFlags::user_limits,
+           "limit of each user of a gateway (default: the server's)");
   }
 
   AddAction(*token, "list", "id, owner, role, expiry and limits, a line for each", flags, run,

@@ -116,6 +116,8 @@ void AddServerFlags(CLI::App& command, ServerFlags& flags) {
   };
   option("--token-file", flags.token_file,
          "file with the bearer token; without it the variable ARAPCTL_TOKEN counts");
+  option("--as-user", connect.user,
+         "the user that the call is for, with the token of a gateway (role gateway)");
   flag("--token-in-plaintext", connect.token_in_plaintext,
        "send the token to another machine without TLS, for everyone on the way to read");
   flag("--tls", connect.tls, "speak TLS; the other --tls flags imply it");

@@ -80,6 +80,18 @@ Result<std::optional<SessionRecord>> RecordOf(const SessionKey& key, const Redis
   return *std::move(record);
 }
 
+// Of the values of a hash of counts.
+Usage SumOfCounts(const std::vector<std::string>& values) {
+  Usage usage;
+  for (const std::string& counts : values) {
+    std::vector<std::size_t> numbers;
+    ForEachWord(counts, [&](std::string_view word) { numbers.push_back(ToNumber(word)); });
+    numbers.resize(3);  // a replica of a version before does not write the bytes
+    usage += {1, numbers[0], numbers[1], numbers[2]};
+  }
+  return usage;
+}
+
 }  // namespace
 
 RedisSpecStore::RedisSpecStore(RedisOptions options)
@@ -177,15 +189,21 @@ Result<std::vector<std::string>> RedisSpecStore::Owners() {
 
 Result<Usage> RedisSpecStore::UsageOf(const std::string& owner) {
   TRY(const auto reply, pool_.Run(RedisCommand{"HVALS", Key("counts:" + owner)}));
-  Usage usage;
-  for (const std::string& counts : reply.Texts()) {
-    std::vector<std::size_t> numbers;
-    ForEachWord(counts, [&](std::string_view word) { numbers.push_back(ToNumber(word)); });
-    numbers.resize(3);  // a replica of a version before does not write the bytes
-    ++usage.sessions;
-    usage.meshes += numbers[0];
-    usage.handle_sets += numbers[1];
-    usage.bytes += numbers[2];
+  return SumOfCounts(reply.Texts());
+}
+
+Result<Usage> RedisSpecStore::UsageUnder(const std::string& owner) {
+  TRY(Usage usage, UsageOf(owner));
+  // All names that begin with "OWNER/": the digit 0 comes next after the slash.
+  TRY(const auto users,
+      pool_.Run(RedisCommand{"ZRANGEBYLEX", Key("owners"), "[" + owner + "/", "(" + owner + "0"}));
+  std::vector<RedisCommand> looks;
+  for (const std::string& user : users.Texts()) looks.push_back({"HVALS", Key("counts:" + user)});
+  if (looks.empty()) return usage;
+  TRY(const auto replies, pool_.Run(looks));
+  for (const auto& reply : replies) {
+    if (reply.IsError()) return Fail(FaultOf(reply));
+    usage += SumOfCounts(reply.Texts());
   }
   return usage;
 }

@@ -210,12 +210,14 @@ Result<std::vector<std::string>> SqliteSpecStore::Owners() {
   });
 }
 
-Result<Usage> SqliteSpecStore::UsageOf(const std::string& owner) {
+Result<Usage> SqliteSpecStore::SumOfOwners(std::string_view first, std::string_view end) {
   return With<Usage>([&](Sqlite& database) {
     Query query(database,
-                "SELECT sessions, meshes, handle_sets, bytes FROM owners WHERE owner = ?");
+                "SELECT coalesce(sum(sessions), 0), coalesce(sum(meshes), 0), "
+                "coalesce(sum(handle_sets), 0), coalesce(sum(bytes), 0) "
+                "FROM owners WHERE owner >= ? AND owner < ?");
     Usage usage;
-    if (query.Bind(owner).Row()) {
+    if (query.Bind(first).Bind(end).Row()) {
       usage.sessions = static_cast<std::size_t>(query.Int(0));
       usage.meshes = static_cast<std::size_t>(query.Int(1));
       usage.handle_sets = static_cast<std::size_t>(query.Int(2));
@@ -223,6 +225,18 @@ Result<Usage> SqliteSpecStore::UsageOf(const std::string& owner) {
     }
     return Finished(query, usage);
   });
+}
+
+Result<Usage> SqliteSpecStore::UsageOf(const std::string& owner) {
+  return SumOfOwners(owner, owner + '\x01');  // no owner has such a character
+}
+
+Result<Usage> SqliteSpecStore::UsageUnder(const std::string& owner) {
+  TRY(Usage usage, UsageOf(owner));
+  // All names that begin with "OWNER/": the digit 0 comes next after the slash.
+  TRY(const Usage users, SumOfOwners(owner + '/', owner + '0'));
+  usage += users;
+  return usage;
 }
 
 Result<std::size_t> SqliteSpecStore::Count() {

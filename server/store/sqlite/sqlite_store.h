@@ -44,6 +44,7 @@ class SqliteSpecStore final : public SpecStore {
                                           std::size_t limit) override;
   Result<std::vector<std::string>> Owners() override;
   Result<Usage> UsageOf(const std::string& owner) override;
+  Result<Usage> UsageUnder(const std::string& owner) override;
   Result<std::size_t> Count() override;
   Result<std::vector<SessionKey>> RemoveExpired(runtime::Clock::Wall now,
                                                 std::size_t limit) override;
@@ -61,6 +62,8 @@ class SqliteSpecStore final : public SpecStore {
   // more on a recovered one.
   template <class T, class Body>
   Result<T> With(const Body& body);
+  // Of the owners from `first` on that come before `end`.
+  Result<Usage> SumOfOwners(std::string_view first, std::string_view end);
   Status EnsureOpen() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool IsInPlace() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 

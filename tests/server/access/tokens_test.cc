@@ -101,6 +101,43 @@ TEST(TokenFile, LimitsThatAreNotStatedAreTheServers) {
   EXPECT_EQ(limits.max_streams, OwnerLimits{}.max_streams);
 }
 
+TEST(TokenFile, AGatewaySpeaksForItsUsers) {
+  const TestToken studio('a', "studio", "gateway"), alice('b', "alice"), root('c', "root", "admin");
+  const auto file = Parse("[" + studio.Entry(R"("limits": {"max_sessions": 50},
+                                          "user_limits": {"max_sessions": 2})") +
+                          "," + alice.Entry() + "," + root.Entry() + "]");
+  ASSERT_TRUE(file) << file.error().message;
+  const auto itself = file->Check(studio.Text(), kNow);
+  ASSERT_TRUE(itself);
+  EXPECT_EQ(itself->owner, "studio");
+  EXPECT_EQ(itself->limits.max_sessions, 50u);
+  const auto user = file->Check(studio.Text(), kNow, "mia");
+  ASSERT_TRUE(user);
+  EXPECT_EQ(user->owner, "studio/mia");
+  EXPECT_EQ(user->role, Role::kUser);
+  EXPECT_EQ(user->limits.max_sessions, 2u);
+  ASSERT_TRUE(user->gateway);
+  EXPECT_EQ(user->gateway->owner, "studio");
+  EXPECT_EQ(user->gateway->limits.max_sessions, 50u);
+  const std::string id(32, 'a');
+  EXPECT_TRUE(file->Holds(id, "studio/mia", kNow));
+  EXPECT_TRUE(file->Holds(id, "studio", kNow));
+  EXPECT_FALSE(file->Holds(id, "studios/mia", kNow));
+  EXPECT_FALSE(file->Holds(TokenFile::IdOf(alice.Text()), "alice/mia", kNow));
+
+  for (const std::string& bad : {std::string(), std::string("a/b"), std::string(129, 'a')}) {
+    const auto refused = file->Check(studio.Text(), kNow, bad);
+    ASSERT_FALSE(refused) << bad;
+    EXPECT_EQ(refused.error().kind, FaultKind::kInvalidName);
+    EXPECT_EQ(refused.error().field, "x-arapd-owner");
+  }
+  for (const TestToken& other : {alice, root}) {
+    const auto refused = file->Check(other.Text(), kNow, "mia");
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().kind, FaultKind::kPermissionDenied);
+  }
+}
+
 TEST(TokenFile, FaultsNameTheEntryAndTheField) {
   const TestToken good('a', "alice");
   struct Case {
@@ -115,6 +152,9 @@ TEST(TokenFile, FaultsNameTheEntryAndTheField) {
       {TestToken('b', "a/b").Entry(), "[1].owner"},
       {TestToken('b', kNobody).Entry(), "[1].owner"},
       {TestToken('b', "bob", "king").Entry(), "[1].role"},
+      {TestToken('b', "bob").Entry(R"("user_limits": {})"), "[1].user_limits"},
+      {TestToken('b', "bob", "gateway").Entry(R"("user_limits": {"max_cats": 1})"),
+       "[1].user_limits.max_cats"},
       {TestToken('b', "bob").Entry(R"("salt": "xyz")"), "[1].salt"},
       {TestToken('b', "bob").Entry(R"("sha256": "xyz")"), "[1].sha256"},
       {TestToken('b', "bob").Entry(R"("expires": "tomorrow")"), "[1].expires"},

@@ -48,6 +48,23 @@ TEST_F(DerivedCacheTest, OneLargeSurfaceEvictsItsOwnersOnly) {
   EXPECT_FALSE(Has("ben", DerivedKind::kSurface, "old"));
 }
 
+TEST_F(DerivedCacheTest, UsersOfAGatewayShareItsBytes) {
+  Keep("hub2/mia", DerivedKind::kMesh, "other", 100);
+  Keep("hub/mia", DerivedKind::kMesh, "old", 200);
+  Keep("hub/ben", DerivedKind::kMesh, "new", 200);
+  Caller caller = Owner("hub/cas");
+  caller.gateway = Gateway{"hub", {}};
+  caller.gateway->limits.max_bytes = 500;
+  auto room = cache_.Reserve(caller, 300);
+  ASSERT_TRUE(room);
+  EXPECT_FALSE(Has("hub/mia", DerivedKind::kMesh, "old"));
+  EXPECT_TRUE(Has("hub/ben", DerivedKind::kMesh, "new"));
+  EXPECT_TRUE(Has("hub2/mia", DerivedKind::kMesh, "other")) << "the name only begins alike";
+  const auto refused = cache_.Reserve(caller, 300);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().details.front().second, "max_bytes_per_gateway");
+}
+
 TEST_F(DerivedCacheTest, WhoHasMoreThanAPartGivesRoomFirst) {
   Keep("ann", DerivedKind::kMesh, "a", 100);
   Keep("ben", DerivedKind::kMesh, "b", 400);

@@ -162,6 +162,25 @@ TEST_P(ContractTest, CountsFollowEveryChange) {
   EXPECT_EQ(specs().Count(), 1u);
 }
 
+TEST_P(ContractTest, CountsAGatewayWithItsUsers) {
+  EXPECT_EQ(specs().UsageUnder("hub")->sessions, 0u);
+  Add("hub", "a");
+  Add("hub", "b");
+  Add("hub/ann", "a");
+  Add("hub/zoe", "a");
+  // Names that only begin alike, on both sides of the slash.
+  Add("hub-1", "a");
+  Add("hub0", "a");
+  EXPECT_EQ(specs().UsageOf("hub")->sessions, 2u);
+  EXPECT_EQ(specs().UsageOf("hub/ann")->sessions, 1u);
+  const Usage all = *specs().UsageUnder("hub");
+  EXPECT_EQ(all.sessions, 4u);
+  EXPECT_EQ(all.meshes, 4 * specs().UsageOf("hub/ann")->meshes);
+  EXPECT_EQ(all.handle_sets, 4 * specs().UsageOf("hub/ann")->handle_sets);
+  EXPECT_EQ(specs().Remove({"hub/ann", "a"}), true);
+  EXPECT_EQ(specs().UsageUnder("hub")->sessions, 3u);
+}
+
 TEST_P(ContractTest, ListsByIdInPages) {
   for (const char* id : {"c", "a", "e", "b", "d"}) Add("ann", id);
   Add("bob", "bb");

@@ -35,6 +35,27 @@ void ExpectQuota(const Status& refused, const char* quota) {
   EXPECT_EQ(refused.error().details.front().second, quota);
 }
 
+TEST(OpenStreamsTest, AdmitsSoManyOfAGatewayAndItsUsers) {
+  OpenStreams streams(10);
+  const auto user = [](const char* name) {
+    Caller caller = Owner(name);
+    caller.gateway = Gateway{"hub", {}};
+    caller.gateway->limits.max_streams = 2;
+    return caller;
+  };
+  std::vector<std::shared_ptr<FakeCall>> calls;
+  const auto open = [&](const Caller& caller) {
+    calls.push_back(std::make_shared<FakeCall>());
+    return streams.Add(calls.back(), caller);
+  };
+  EXPECT_TRUE(open(Owner("hub2/mia"))) << "the name only begins alike";
+  EXPECT_TRUE(open(user("hub/mia")));
+  EXPECT_TRUE(open(user("hub")));
+  ExpectQuota(open(user("hub/ben")), "max_streams_per_gateway");
+  streams.Remove(calls[1].get());
+  EXPECT_TRUE(open(user("hub/ben")));
+}
+
 TEST(OpenStreamsTest, AdmitsSoManyOfAllOwners) {
   OpenStreams streams(2);
   const auto first = std::make_shared<FakeCall>();

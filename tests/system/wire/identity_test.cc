@@ -134,6 +134,57 @@ TEST_F(IdentityTest, ClientWithATokenIsServed) {
   ExpectAlive(stream);
 }
 
+TEST_F(IdentityTest, AGatewaysUsersAreOwnersUnderItsLimits) {
+  const TestToken hub('c', "hub", "gateway");
+  folder_.PutTokens({alice_.Entry(), hub.Entry(R"("limits": {"max_sessions": 3},
+                                                  "user_limits": {"max_sessions": 2})")});
+  options().credentials.token_file = folder_.tokens();
+  const auto as = [&](const std::string& user) {
+    client::ConnectOptions with;
+    with.token = hub.Text();
+    with.user = user;
+    return Connect(with).value();
+  };
+  const auto create = [](const client::Client& client, const char* id) {
+    client::SessionOptions named;
+    named.id = id;
+    return client.CreateSession(named);
+  };
+  const auto quota = [](const Result<client::Session>& refused) {
+    for (const auto& [name, value] : refused.error().details) {
+      if (name == "quota") return value;
+    }
+    return std::string();
+  };
+  const client::Client mia = as("mia"), ben = as("ben");
+  client::DeformStream stream = Open(SetUp(mia));
+  ASSERT_TRUE(create(mia, "s"));
+  ASSERT_TRUE(create(ben, "s")) << "the same name is another owner's session";
+  EXPECT_EQ(ben.ListSessions()->sessions.size(), 1u);
+  const auto third = create(mia, "t");
+  ASSERT_FALSE(third);
+  EXPECT_EQ(quota(third), "max_sessions_per_owner");
+  const auto fourth = create(ben, "t");
+  ASSERT_FALSE(fourth);
+  EXPECT_EQ(quota(fourth), "max_sessions_per_gateway");
+  EXPECT_EQ(host().engine().metrics.Text().find("mia"), std::string::npos) << "no label by owner";
+
+  client::ConnectOptions with;
+  with.token = alice_.Text();
+  with.user = "mia";
+  const auto refused = create(Connect(with).value(), "s");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, FaultKind::kPermissionDenied);
+
+  // The streams of its users end with the gateway's token.
+  ExpectAlive(stream);
+  folder_.PutTokens({alice_.Entry()});
+  ASSERT_TRUE(host().credentials().Reload());
+  const auto end = stream.Read();
+  ASSERT_FALSE(end);
+  EXPECT_EQ(end.error().kind, FaultKind::kUnauthenticated);
+}
+
 TEST_F(IdentityTest, SessionsOfOthersAreAsThoughTheyWereNotThere) {
   TakeTokens();
   const client::Client alice = ConnectAs(alice_), bob = ConnectAs(bob_);

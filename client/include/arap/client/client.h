@@ -40,6 +40,9 @@ struct ConnectOptions {
   // Without TLS a token is sent to this machine only (loopback, unix sockets), unless this allows
   // everybody on the way to read it.
   bool token_in_plaintext = false;
+  // The user for whom all calls are made, where the token has the role gateway: a name, which the
+  // server takes for the owner "GATEWAY/NAME". Empty: nobody but the gateway itself.
+  std::string user;
 
   bool tls = false;               // implied by each of the files
   std::string root_certificates;  // who vouches for the server; empty: the system's authorities
