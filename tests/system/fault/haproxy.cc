@@ -36,18 +36,23 @@ std::string Written(std::string address) {
   return address;
 }
 
-std::string Server(const char* name, const Backend& backend) {
-  return std::string("server ") + name + " " + Written(backend.address) +
-         " check addr 127.0.0.1 port " + PortOf(backend.admin);
+std::string Servers(const std::vector<Backend>& backends) {
+  std::string lines;
+  for (const Backend& backend : backends) {
+    const std::string name(1, static_cast<char>('a' + (&backend - backends.data())));
+    lines += (lines.empty() ? "server " : "\n    server ") + name + " " + Written(backend.address) +
+             " check addr 127.0.0.1 port " + PortOf(backend.admin);
+  }
+  return lines;
 }
 
 }  // namespace
 
-bool Haproxy::Start(const Backend& a, const Backend& b) {
+bool Haproxy::Start(const std::vector<Backend>& backends) {
   std::string text = ReadFile(HAPROXY_CFG);
   if (!Replace(text, "bind :50051", "bind unix@" + folder_ / "socket") ||
-      !Replace(text, "server a a:50051 check port 9464", Server("a", a)) ||
-      !Replace(text, "server b b:50051 check port 9464", Server("b", b))) {
+      !Replace(text, "server a a:50051 check port 9464", Servers(backends)) ||
+      !Replace(text, "server b b:50051 check port 9464", "")) {
     return false;
   }
   std::ofstream(folder_ / "cfg") << text;

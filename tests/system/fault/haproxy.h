@@ -2,12 +2,13 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "tests/system/fault/server_process.h"
 
 namespace arap::fault {
 
-// Where one of its two servers is reached.
+// Where one of its servers is reached.
 struct Backend {
   std::string address;  // "127.0.0.1:1234", "unix:PATH"
   std::string admin;    // "127.0.0.1:1234"
@@ -17,7 +18,8 @@ struct Backend {
 class Haproxy : public ChildProcess {
  public:
   // False with a failure of the test when it does not start.
-  bool Start(const Backend& a, const Backend& b);
+  // In place of the two servers of the file come these.
+  bool Start(const std::vector<Backend>& backends);
 
   // For clients: "unix:PATH".
   std::string address() const { return "unix:" + folder_ / "socket"; }

@@ -27,7 +27,7 @@ class ProxyTest : public ::testing::Test {
       ASSERT_TRUE(admin);
       backends_.push_back({server->address(), *admin});
     }
-    ASSERT_TRUE(proxy_.Start(backends_[0], backends_[1]));
+    ASSERT_TRUE(proxy_.Start(backends_));
     client_.emplace(client::Client::Connect(proxy_.address()));
     ASSERT_TRUE(Eventually([&] { return client_->GetServerInfo().has_value(); })) << proxy_.Log();
     auto session = client_->CreateSession();
