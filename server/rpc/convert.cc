@@ -12,7 +12,7 @@
 #include "arap/core/pick.h"
 #include "core/base/names.h"
 #include "core/base/try.h"
-#include "server/sessions/rebuild.h"
+#include "server/sessions/workshop.h"
 #include "server/streams/live_set.h"
 
 namespace arap::rpc {

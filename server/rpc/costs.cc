@@ -5,7 +5,7 @@
 #include "proto/convert/flatten.h"
 #include "server/budget/estimate.h"
 #include "server/engine.h"
-#include "server/sessions/rebuild.h"
+#include "server/sessions/workshop.h"
 
 namespace arap::rpc {
 namespace {

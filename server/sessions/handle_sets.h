@@ -8,7 +8,7 @@
 #include "arap/base/result.h"
 #include "arap/model/handle.h"
 #include "server/access/caller.h"
-#include "server/sessions/rebuild.h"
+#include "server/sessions/workshop.h"
 
 namespace arap::app {
 

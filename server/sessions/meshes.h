@@ -8,7 +8,7 @@
 #include "arap/model/energy.h"
 #include "arap/model/mesh.h"
 #include "server/access/caller.h"
-#include "server/sessions/rebuild.h"
+#include "server/sessions/workshop.h"
 
 namespace arap::app {
 

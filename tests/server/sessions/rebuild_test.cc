@@ -1,6 +1,4 @@
 // What was computed is evicted, rebuilt, survives its process, and belongs to its owner.
-#include "server/sessions/rebuild.h"
-
 #include <memory>
 #include <random>
 #include <vector>
@@ -11,6 +9,7 @@
 #include "server/engine.h"
 #include "server/sessions/handle_sets.h"
 #include "server/sessions/meshes.h"
+#include "server/sessions/workshop.h"
 #include "tests/support/fake_clock.h"
 #include "tests/support/meshes.h"
 
