@@ -1,9 +1,12 @@
-// DeformationService: every method with its handler, and which lane it runs on.
+// DeformationService: every method with its handler, what it is expected to take, and which lane it
+// runs on.
 #include <utility>
 
 #include <arap/v1/deformation_service.grpc.pb.h>
 
+#include "arap/core/cost.h"
 #include "core/base/try.h"
+#include "proto/convert/deform.h"
 #include "server/access/caller.h"
 #include "server/budget/faults.h"
 #include "server/rpc/convert.h"
@@ -14,6 +17,7 @@
 #include "server/runtime/metrics.h"
 #include "server/sessions/handle_sets.h"
 #include "server/sessions/meshes.h"
+#include "server/sessions/workshop.h"
 #include "server/streams/live_set.h"
 #include "server/streams/targets.h"
 
@@ -162,6 +166,83 @@ Status Deform(app::Engine& engine, const v1::DeformRequest& request, const Call&
                 response->mutable_shape());
 }
 
+// What the calls are expected to take.
+
+namespace {
+
+// Of what is to be built from a mesh that is not in memory: long, and nothing more is known.
+constexpr Expected kCold{true, 1};
+
+// What CountRows will find, before the handles are read.
+RowCount RowsOf(const google::protobuf::RepeatedPtrField<v1::Handle>& handles,
+                std::size_t vertices) {
+  RowCount count;
+  for (const v1::Handle& handle : handles) {
+    const bool area = handle.area_radius() > 0;
+    const std::size_t held = handle.oriented() ? 3 : 1;
+    count.rows += area ? vertices : held;
+    if (handle.hard() && !area && handle.anchor_case() != v1::Handle::kVertex) count.inside += held;
+    if (handle.depth() != 0) ++count.depths;
+  }
+  return count;
+}
+
+Expected ExpectRegistration(app::Engine&, const app::Session*,
+                            const v1::RegisterMeshRequest& request) {
+  const auto vertices = static_cast<std::size_t>(request.mesh().vertices_size()) / 2;
+  return {false, app::SecondsOf(EstimateRegistration(vertices, Basis::kEdge))};
+}
+
+Expected ExpectMesh(app::Engine& engine, const app::Session* session,
+                    const v1::GetMeshRequest& request) {
+  if (session == nullptr) return kCold;
+  const auto mesh = app::PeekMesh(engine, *session, request.mesh_id());
+  return mesh.warmth == app::Warmth::kCold ? kCold : Expected{};
+}
+
+Expected ExpectCompilation(app::Engine& engine, const app::Session* session,
+                           const v1::CompileHandlesRequest& request) {
+  if (session == nullptr) return kCold;
+  const auto mesh = app::PeekMesh(engine, *session, request.mesh_id());
+  if (mesh.warmth == app::Warmth::kMissing) return {};
+  if (mesh.warmth == app::Warmth::kCold) return kCold;
+  const std::size_t vertices = mesh.mesh->mesh().vertices.size();
+  return {false,
+          app::SecondsOf(EstimateCompilation(*mesh.mesh, RowsOf(request.handles(), vertices)))};
+}
+
+Expected ExpectEdit(app::Engine& engine, const app::Session* session,
+                    const v1::EditHandlesRequest& request) {
+  if (session == nullptr) return kCold;
+  const auto set = app::PeekHandleSet(engine, *session, request.handle_set_id());
+  if (set.warmth == app::Warmth::kMissing) return {};
+  if (set.warmth == app::Warmth::kCold) return kCold;
+  const std::size_t vertices = set.handles->mesh()->mesh().vertices.size();
+  return {false,
+          app::SecondsOf(EstimateEdit(*set.handles, {}, RowsOf(request.add(), vertices)).cost)};
+}
+
+Expected ExpectHandleSet(app::Engine& engine, const app::Session* session,
+                         const v1::GetHandleSetRequest& request) {
+  if (session == nullptr) return kCold;
+  const auto set = app::PeekHandleSet(engine, *session, request.handle_set_id());
+  return set.warmth == app::Warmth::kCold ? kCold : Expected{};
+}
+
+Expected ExpectFrame(app::Engine& engine, const app::Session* session,
+                     const v1::DeformRequest& request) {
+  if (session == nullptr) return kCold;
+  const auto set = app::PeekHandleSet(engine, *session, request.handle_set_id());
+  if (set.warmth == app::Warmth::kMissing) return {};
+  if (set.warmth == app::Warmth::kCold) return kCold;
+  const auto options = convert::FromWire(request.options(), engine.limits.max_refine);
+  if (!options) return {};
+  const auto picks = static_cast<std::size_t>(request.pick_points_size()) / 2;
+  return {false, app::SecondsOf(EstimateFrame(*set.handles, *options, picks))};
+}
+
+}  // namespace
+
 NamedService MakeDeformationService(const Backend& backend) {
   constexpr bool kNoisy = true;
   app::Engine& engine = backend.engine;
@@ -170,14 +251,17 @@ NamedService MakeDeformationService(const Backend& backend) {
   service->Unary({"GetSession", Cost::kStore, kNoisy}, GetSession);
   service->Unary({"ListSessions", Cost::kStore, kNoisy}, ListSessions);
   service->Unary({"DeleteSession", Cost::kStore}, DeleteSession);
-  service->Unary({"RegisterMesh", Cost::kHeavy, false, &engine.registrations}, RegisterMesh);
-  service->Unary({"GetMesh", Cost::kLookUp, kNoisy}, GetMesh);
+  service->Unary({"RegisterMesh", Cost::kHeavy, false, &engine.registrations}, RegisterMesh,
+                 ExpectRegistration);
+  service->Unary({"GetMesh", Cost::kLookUp, kNoisy}, GetMesh, ExpectMesh);
   service->Unary({"DeleteMesh", Cost::kStore}, DeleteMesh);
-  service->Unary({"CompileHandles", Cost::kHeavy, false, &engine.compilations}, CompileHandles);
-  service->Unary({"EditHandles", Cost::kHeavy, false, &engine.compilations}, EditHandles);
-  service->Unary({"GetHandleSet", Cost::kLookUp, kNoisy}, GetHandleSet);
+  service->Unary({"CompileHandles", Cost::kHeavy, false, &engine.compilations}, CompileHandles,
+                 ExpectCompilation);
+  service->Unary({"EditHandles", Cost::kHeavy, false, &engine.compilations}, EditHandles,
+                 ExpectEdit);
+  service->Unary({"GetHandleSet", Cost::kLookUp, kNoisy}, GetHandleSet, ExpectHandleSet);
   service->Unary({"DeleteHandleSet", Cost::kStore}, DeleteHandleSet);
-  service->Unary({"Deform", Cost::kFrame, kNoisy}, Deform);
+  service->Unary({"Deform", Cost::kFrame, kNoisy}, Deform, ExpectFrame);
   service->Stream<v1::DeformTrackRequest, v1::DeformTrackResponse>(
       "DeformTrack", [backend](Methods::Context* context) {
         return DeformTrack(backend.engine, backend.identity, context);

@@ -3,7 +3,9 @@
 
 #include <arap/v1/flattening_service.grpc.pb.h>
 
+#include "arap/core/flattener.h"
 #include "core/base/try.h"
+#include "proto/convert/flatten.h"
 #include "server/flattening/prepared_surfaces.h"
 #include "server/rpc/convert.h"
 #include "server/rpc/methods.h"
@@ -35,9 +37,26 @@ Status Flatten(app::Engine& engine, const v1::FlattenRequest& request, const Cal
   return {};
 }
 
+namespace {
+
+Expected ExpectFlatten(app::Engine& engine, const app::Session*,
+                       const v1::FlattenRequest& request) {
+  const auto options = convert::FromWire(request, engine.limits.max_refine);
+  if (!options) return {};
+  // By lengths alone: as if it were one chart, which is the most that it can take.
+  const auto vertices = static_cast<std::size_t>(request.mesh().vertices_size()) / 3;
+  const auto triangles = static_cast<std::size_t>(request.mesh().triangles_size()) / 3;
+  return {false, 1e-3 * EstimateFlatten({vertices, triangles, 1, vertices}, *options,
+                                        !request.surface_key().empty())
+                            .milliseconds};
+}
+
+}  // namespace
+
 NamedService MakeFlatteningService(const Backend& backend) {
   auto service = std::make_unique<Methods>(backend, v1::FlatteningService::service_full_name());
-  service->Unary({"Flatten", Cost::kHeavy, false, &backend.engine.flattenings}, Flatten);
+  service->Unary({"Flatten", Cost::kHeavy, false, &backend.engine.flattenings}, Flatten,
+                 ExpectFlatten);
   return Named(std::move(service));
 }
 

@@ -27,11 +27,14 @@ class Methods final : public grpc::Service {
 
   const std::string& service() const { return service_; }
 
+  // Without an `expectation` the call computes nothing to speak of.
   template <class Request, class Response>
-  void Unary(const Method& method, Handler<Request, Response> handler) {
-    const auto run = [backend = backend_, method, handler](Context* context) {
-      return RunUnary(backend, method, context,
-                      std::make_unique<UnaryJobOf<Request, Response>>(backend.engine, handler));
+  void Unary(const Method& method, Handler<Request, Response> handler,
+             Expectation<Request> expectation = nullptr) {
+    const auto run = [backend = backend_, method, handler, expectation](Context* context) {
+      return RunUnary(
+          backend, method, context,
+          std::make_unique<UnaryJobOf<Request, Response>>(backend.engine, handler, expectation));
     };
     Stream<grpc::ByteBuffer, grpc::ByteBuffer>(method.name, run);
   }

@@ -21,7 +21,6 @@
 #include "server/budget/gate.h"
 #include "server/engine.h"
 #include "server/rpc/caller_of.h"
-#include "server/rpc/costs.h"
 
 namespace arap::rpc {
 
@@ -44,8 +43,19 @@ Result<std::shared_ptr<app::Session>> SessionOf(app::Engine& engine, const Call&
 template <class Request, class Response>
 using Handler = Status (*)(app::Engine&, const Request&, const Call&, Response*);
 
+// What a call is expected to take of a worker, from the lengths of its request and from what is in
+// memory.
+struct Expected {
+  bool cold = false;   // what it names was evicted and has to be computed again
+  double seconds = 0;  // of one worker
+};
+
+// Never blocks. The session is the one that the request names, or null when it is not in memory.
+template <class Request>
+using Expectation = Expected (*)(app::Engine&, const app::Session*, const Request&);
+
 // What a handler does decides where it runs. What is expected to take longer than kLongFrameSeconds
-// is a job (costs.h).
+// is a job.
 enum class Cost {
   kTrivial,  // says what is known, whatever is asked: at once, and the request is not read
   kStore,    // may wait for the store: control
@@ -55,8 +65,8 @@ enum class Cost {
 };
 
 struct Method {
-  const char* name;
-  Cost cost;
+  const char* name = "";
+  Cost cost = Cost::kTrivial;
   bool noisy = false;         // logged at debug only
   app::Gate* gate = nullptr;  // taken from the request's arrival to the end; null: none
   bool open_to_all = false;   // needs no identity
@@ -98,8 +108,9 @@ UnaryStream* RunUnary(const Backend& backend, const Method& method,
 template <class Request, class Response>
 class UnaryJobOf final : public UnaryJob {
  public:
-  UnaryJobOf(app::Engine& engine, Handler<Request, Response> handler)
-      : engine_(engine), handler_(handler) {}
+  UnaryJobOf(app::Engine& engine, Handler<Request, Response> handler,
+             Expectation<Request> expectation)
+      : engine_(engine), handler_(handler), expectation_(expectation) {}
 
   bool Parse(grpc::ByteBuffer* bytes) override {
     return grpc::SerializationTraits<Request>::Deserialize(bytes, &request_).ok();
@@ -110,11 +121,7 @@ class UnaryJobOf final : public UnaryJob {
     return {};
   }
   Expected Expect(const app::Session* session) const override {
-    if constexpr (requires { ExpectedOf(engine_, session, request_); }) {
-      return ExpectedOf(engine_, session, request_);
-    }
-    static_cast<void>(session);
-    return {};
+    return expectation_ != nullptr ? expectation_(engine_, session, request_) : Expected{};
   }
   Status Work(const Call& call) override { return handler_(engine_, request_, call, &response_); }
   bool Answer(grpc::ByteBuffer* bytes) override {
@@ -125,6 +132,7 @@ class UnaryJobOf final : public UnaryJob {
  private:
   app::Engine& engine_;
   const Handler<Request, Response> handler_;
+  const Expectation<Request> expectation_;
   Request request_;
   Response response_;
 };
