@@ -78,6 +78,12 @@ class DerivedCache {
   Result<Reservation> Reserve(const Caller& caller, std::size_t bytes);
   // Counts `bytes` that are there already, whether or not there is room.
   Reservation Hold(const std::string& owner, std::size_t bytes);
+  // As Reserve, for a request of so many bytes: small ones do not count, so that a frame asks for no
+  // memory.
+  Result<Reservation> ReserveForRequest(const Caller& caller, std::size_t bytes) {
+    constexpr std::size_t kSmall = 16u << 10u;
+    return Reserve(caller, bytes > kSmall ? bytes : 0);
+  }
 
   // What is kept under the key, or null; counts as a use.
   template <class T>

@@ -190,7 +190,7 @@ RowCount RowsOf(const google::protobuf::RepeatedPtrField<v1::Handle>& handles,
 Expected ExpectRegistration(app::Engine&, const app::Session*,
                             const v1::RegisterMeshRequest& request) {
   const auto vertices = static_cast<std::size_t>(request.mesh().vertices_size()) / 2;
-  return {false, app::SecondsOf(EstimateRegistration(vertices, Basis::kEdge))};
+  return {false, EstimateRegistration(vertices, Basis::kEdge).seconds()};
 }
 
 Expected ExpectMesh(app::Engine& engine, const app::Session* session,
@@ -207,8 +207,7 @@ Expected ExpectCompilation(app::Engine& engine, const app::Session* session,
   if (mesh.warmth == app::Warmth::kMissing) return {};
   if (mesh.warmth == app::Warmth::kCold) return kCold;
   const std::size_t vertices = mesh.mesh->mesh().vertices.size();
-  return {false,
-          app::SecondsOf(EstimateCompilation(*mesh.mesh, RowsOf(request.handles(), vertices)))};
+  return {false, EstimateCompilation(*mesh.mesh, RowsOf(request.handles(), vertices)).seconds()};
 }
 
 Expected ExpectEdit(app::Engine& engine, const app::Session* session,
@@ -218,8 +217,7 @@ Expected ExpectEdit(app::Engine& engine, const app::Session* session,
   if (set.warmth == app::Warmth::kMissing) return {};
   if (set.warmth == app::Warmth::kCold) return kCold;
   const std::size_t vertices = set.handles->mesh()->mesh().vertices.size();
-  return {false,
-          app::SecondsOf(EstimateEdit(*set.handles, {}, RowsOf(request.add(), vertices)).cost)};
+  return {false, EstimateEdit(*set.handles, {}, RowsOf(request.add(), vertices)).cost.seconds()};
 }
 
 Expected ExpectHandleSet(app::Engine& engine, const app::Session* session,
@@ -238,7 +236,7 @@ Expected ExpectFrame(app::Engine& engine, const app::Session* session,
   const auto options = convert::FromWire(request.options(), engine.limits.max_refine);
   if (!options) return {};
   const auto picks = static_cast<std::size_t>(request.pick_points_size()) / 2;
-  return {false, app::SecondsOf(EstimateFrame(*set.handles, *options, picks))};
+  return {false, EstimateFrame(*set.handles, *options, picks).seconds()};
 }
 
 }  // namespace

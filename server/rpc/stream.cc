@@ -14,7 +14,6 @@
 #include "core/base/mutex.h"
 #include "core/base/try.h"
 #include "proto/convert/status.h"
-#include "server/budget/estimate.h"
 #include "server/budget/faults.h"
 #include "server/engine.h"
 #include "server/rpc/caller_of.h"
@@ -161,8 +160,7 @@ class StreamReactor final
   // The memory of a message counts until the next one is read.
   void Read() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     message_room_.Release();
-    if (auto room =
-            engine_.derived.Reserve(caller_, app::RequestBytes(incoming_.SpaceUsedLong()))) {
+    if (auto room = engine_.derived.ReserveForRequest(caller_, incoming_.SpaceUsedLong())) {
       message_room_ = *std::move(room);
     } else {
       policy_.End(std::move(room.error()));
@@ -285,11 +283,11 @@ class StreamReactor final
                       .Detail("value", static_cast<int>(open_.delivery())));
     }
     {
-      const double seconds = app::SecondsOf(EstimateFrame(*entry.handles, options_.deform));
+      const double seconds = EstimateFrame(*entry.handles, options_.deform).seconds();
       const MutexLock lock(&mutex_);
       CHECK_OK(policy_.AdmitFrames(seconds));
     }
-    TRY(live_room_, engine_.derived.Reserve(caller_, app::LiveSetBytes(*entry.handles, 1)));
+    TRY(live_room_, engine_.derived.Reserve(caller_, app::LiveSet::BytesOf(*entry.handles, 1)));
     end_listener_ = session_->AddEndListener(
         [weak = weak_from_this(), ended = app::NotFound("session", open_.session_id())] {
           if (const auto self = weak.lock()) self->End(ended);
@@ -328,13 +326,13 @@ class StreamReactor final
       const CancelToken cancel = CancelTokenOf(context_);
       TRY(const arap::Cost cost, app::EditCostOf(entry, remove, add, engine_.limits, cancel));
       TRY(auto room,
-          engine_.derived.Reserve(caller_, app::LiveSetBytes(*entry.handles, 1) + cost.bytes));
+          engine_.derived.Reserve(caller_, app::LiveSet::BytesOf(*entry.handles, 1) + cost.bytes));
       TRY(auto edited, live_->Edited(remove, add, job_.targets, options_.deform, engine_.limits,
                                      cancel, engine_.metrics));
       CHECK_OK(ToWire(edited.set, edited.quality, options_, {}, cancel, {queue_micros, working},
                       answer->message.mutable_shape()));
       const CompiledHandles& handles = *edited.set.entry().handles;
-      room.Shrink(app::LiveSetBytes(handles, 1) + handles.bytes());
+      room.Shrink(app::LiveSet::BytesOf(handles, 1) + handles.bytes());
       live_room_ = std::move(room);
       return edited;
     });

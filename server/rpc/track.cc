@@ -16,7 +16,6 @@
 #include "core/base/mutex.h"
 #include "core/base/try.h"
 #include "proto/convert/status.h"
-#include "server/budget/estimate.h"
 #include "server/budget/faults.h"
 #include "server/engine.h"
 #include "server/rpc/caller_of.h"
@@ -142,7 +141,7 @@ class TrackReactor final
  private:
   // The request counts for as long as the track runs.
   void StartPreparing() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    auto room = engine_.derived.Reserve(caller_, app::RequestBytes(request_.SpaceUsedLong()));
+    auto room = engine_.derived.ReserveForRequest(caller_, request_.SpaceUsedLong());
     if (!room) {
       end_ = std::move(room.error());
       return;
@@ -237,8 +236,9 @@ class TrackReactor final
       if (auto targets = TargetsOf(i); !targets) return Fail(std::move(targets.error()));
       CHECK_OK(cancel_.Check());
     }
-    TRY(live_room_, engine_.derived.Reserve(caller_, app::LiveSetBytes(*entry.handles, kLanes)));
-    frames_seconds_ = kLanes * app::SecondsOf(EstimateFrame(*entry.handles, options_.deform));
+    TRY(live_room_,
+        engine_.derived.Reserve(caller_, app::LiveSet::BytesOf(*entry.handles, kLanes)));
+    frames_seconds_ = kLanes * EstimateFrame(*entry.handles, options_.deform).seconds();
     live_.emplace(std::move(entry), kLanes);
     return {};
   }

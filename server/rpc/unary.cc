@@ -5,7 +5,6 @@
 
 #include "core/base/try.h"
 #include "proto/convert/status.h"
-#include "server/budget/estimate.h"
 #include "server/budget/faults.h"
 #include "server/rpc/connections.h"
 #include "server/rpc/rpc_log.h"
@@ -85,7 +84,7 @@ class UnaryReactor final : public UnaryStream, public std::enable_shared_from_th
       return Fail(app::TooLarge("The request", "max_message_bytes", bytes_.Length(), most));
     }
     room_.Release();
-    TRY(room_, engine_.derived.Reserve(call_.caller, app::RequestBytes(bytes)));
+    TRY(room_, engine_.derived.ReserveForRequest(call_.caller, bytes));
     return {};
   }
 

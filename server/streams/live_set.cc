@@ -8,6 +8,7 @@
 #include <utility>
 #include <variant>
 
+#include "arap/core/cost.h"
 #include "core/base/try.h"
 #include "core/mesh/locate.h"
 #include "server/runtime/clock.h"
@@ -94,6 +95,11 @@ Target PoseOf(const PlanarMesh& mesh, const PlacedHandle& handle,
 
 LiveSet::LiveSet(HandleSetEntry entry, std::size_t lanes)
     : entry_(std::move(entry)), deformer_(entry_.handles, lanes) {}
+
+std::size_t LiveSet::BytesOf(const CompiledHandles& handles, std::size_t lanes) {
+  const std::size_t vertices = handles.mesh()->mesh().vertices.size();
+  return DeformerBytes(handles, lanes) + 3 * lanes * vertices * 2 * sizeof(double);
+}
 
 Result<ShapeQuality> LiveSet::Move(std::span<const Target> targets, const DeformOptions& options,
                                    runtime::Metrics& metrics, const CancelToken& cancel) {

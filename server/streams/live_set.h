@@ -27,6 +27,10 @@ class LiveSet {
   // At rest until it is moved. With `lanes` it holds as many shapes, see Deformer.
   explicit LiveSet(HandleSetEntry entry, std::size_t lanes = 1);
 
+  // What it holds beside its handle set, with what a call has under way: the deformer, and three
+  // shapes in each lane, one computed, one waiting and one being written.
+  static std::size_t BytesOf(const CompiledHandles& handles, std::size_t lanes);
+
   const HandleSetEntry& entry() const { return entry_; }
   const Deformer& deformer() const { return deformer_; }
 

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "arap/core/cost.h"
 #include "core/base/try.h"
-#include "server/budget/estimate.h"
 #include "server/budget/faults.h"
 
 namespace arap::app {
@@ -23,7 +23,7 @@ StreamJob::Lane LaneOf(double seconds) {
 
 double PickSeconds(const CompiledHandles& handles, std::size_t picks) {
   if (picks == 0) return 0;
-  return SecondsOf(EstimateFrame(handles, {}, picks)) - SecondsOf(EstimateFrame(handles, {}));
+  return EstimateFrame(handles, {}, picks).seconds() - EstimateFrame(handles, {}).seconds();
 }
 
 StreamAnswer Shape(std::uint64_t sequence, std::unique_ptr<WireAnswer> message) {
@@ -186,7 +186,7 @@ bool StreamPolicy::TakeEdit(const StreamMessage::Edit& edit) {
   // A handle holds three rows at most, unless it has an area.
   const std::size_t vertices = set_.handles->mesh()->mesh().vertices.size();
   const RowCount added{.rows = edit.has_areas ? vertices : 3 * edit.added};
-  job.seconds = SecondsOf(EstimateEdit(*set_.handles, {}, added).cost) + pace_->frame_seconds();
+  job.seconds = EstimateEdit(*set_.handles, {}, added).cost.seconds() + pace_->frame_seconds();
   job.lane =
       edit.added <= kLightEdit && !edit.has_areas ? LaneOf(job.seconds) : StreamJob::Lane::kJobs;
   job.sequence = edit.sequence;

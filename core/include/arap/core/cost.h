@@ -22,6 +22,8 @@ namespace arap {
 struct Cost {
   double milliseconds = 0;  // of processor time
   std::size_t bytes = 0;    // at the peak, beside what is there before; what is kept is less
+
+  double seconds() const { return milliseconds * 1e-3; }
 };
 
 // The rows of a handle set, by what they cost.
