@@ -1,7 +1,12 @@
-// Credentials: what a server shows of itself and asks of others: who may connect to a server, how,
-// and whom it takes them for.
+// Credentials: what a server shows of itself and asks of others: who may connect to it, how, and
+// whom it takes them for.
+//
+// The rule: unix sockets are plaintext, for what may connect is decided by the file system. With a
+// certificate every TCP address, loopback too, speaks TLS; without one all of them are plaintext,
+// and listen.h says where that is allowed.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <memory>
 #include <string>
@@ -9,12 +14,74 @@
 
 #include "arap/base/result.h"
 #include "arap/model/limits.h"
-#include "server/host/tls.h"
+#include "core/base/mutex.h"
 #include "server/rpc/caller_of.h"
 #include "server/runtime/clock.h"
 #include "server/runtime/ticker.h"
 
+namespace grpc {
+class ServerCredentials;
+}
+
 namespace arap::host {
+
+// Files in PEM. They are looked at again every `refresh_seconds`: new connections get what is there
+// then, open ones go on. Files that cannot be used, or do not belong together, leave things as they
+// were.
+struct TlsOptions {
+  std::string certificate;  // the server's, then those that lead to its authority
+  std::string key;          // its private key, without a passphrase
+  // The authorities whose client certificates are believed; empty: none is asked for.
+  std::string client_ca;
+  // Refuse connections without a client certificate. A certificate that `client_ca` does not vouch
+  // for is refused in any case.
+  bool require_client_certificate = false;
+  unsigned refresh_seconds = 5;
+
+  bool given() const { return !certificate.empty() || !key.empty() || !client_ca.empty(); }
+};
+
+// kInvalidOption with the file and the field ("tls_cert", "tls_key", "tls_client_ca"): options that
+// do not go together, a file that is missing, unreadable or no PEM, a key that is not the
+// certificate's.
+Status CheckTls(const TlsOptions& tls);
+
+// What the TCP addresses use. The files have to be usable whenever gRPC looks, which is every
+// second. Faults as CheckTls.
+Result<std::shared_ptr<grpc::ServerCredentials>> TcpCredentials(const TlsOptions& tls);
+
+// The certificate files as they were when they last could be used, for gRPC to watch: it ends the
+// process over an empty certificate file, and fails every handshake while key and certificate do
+// not belong together. So it gets copies that were checked. They are in memory only. Thread-safe.
+// Outlives the credentials that use copies().
+class TlsFiles {
+ public:
+  // Faults as CheckTls. `tls` names files.
+  static Result<std::unique_ptr<TlsFiles>> Open(const TlsOptions& tls);
+  ~TlsFiles();
+  TlsFiles(const TlsFiles&) = delete;
+  TlsFiles& operator=(const TlsFiles&) = delete;
+
+  // The same options with the paths of the copies.
+  const TlsOptions& copies() const { return copies_; }
+
+  // Reads the files again: whether there was anything new. A fault, as CheckTls, leaves the copies
+  // as they were; it comes once for the same files, or with `insist` every time.
+  Result<bool> Refresh(bool insist);
+
+ private:
+  static constexpr std::size_t kFiles = 3;
+  using Texts = std::array<std::string, kFiles>;  // certificate, key, authorities
+
+  explicit TlsFiles(const TlsOptions& tls) : files_(tls), copies_(tls) {}
+
+  const TlsOptions files_;
+  TlsOptions copies_;
+  Mutex mutex_;
+  Texts texts_ ABSL_GUARDED_BY(mutex_);
+  Texts refused_ ABSL_GUARDED_BY(mutex_);
+  std::array<int, kFiles> descriptors_{-1, -1, -1};  // only Refresh changes them
+};
 
 // An identity is demanded from everyone, on every address, as soon as there is a token file or a
 // client certificate is required. Only GetServerInfo, health and reflection need none.
@@ -42,7 +109,7 @@ class Credentials {
   Credentials& operator=(const Credentials&) = delete;
 
   const rpc::Identity& identity() const { return identity_; }
-  // For builder.AddListeningPort. The rule is in tls.h.
+  // For builder.AddListeningPort.
   std::shared_ptr<grpc::ServerCredentials> CredentialsFor(const std::string& address) const;
 
   // Reads tokens and certificates at once, as for SIGHUP; files that cannot be used leave things as

@@ -10,7 +10,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include "proto/convert/status.h"
-#include "server/host/tls.h"
+#include "server/host/credentials.h"
 #include "tests/support/fake_clock.h"
 #include "tests/system/wire/authority.h"
 #include "tests/system/wire/token_fixture.h"
