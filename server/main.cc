@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,21 +18,28 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <grpc/grpc.h>
 #include <grpc/support/log.h>
 #include <poll.h>
+#include <spdlog/sinks/null_sink.h>
+#include <spdlog/sinks/rotating_file_sink.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "core/base/mutex.h"
+#include "core/base/try.h"
 #include "server/config/config.h"
 #include "server/host/host.h"
+#include "server/rpc/rpc_log.h"
 
 namespace {
 
 using arap::config::Config;
+using arap::config::LogOptions;
 
 constexpr int kBadConfig = 2;
 constexpr int kDeaf = 3;
@@ -57,11 +65,46 @@ void LogFromGrpc(gpr_log_func_args* args) {
               "grpc message=\"{}\"", args->message);
 }
 
-arap::Status SetUpLogs(const arap::config::LogOptions& options) {
-  auto logs = arap::config::MakeLogs(options);
-  if (!logs) return arap::Fail(std::move(logs.error()));
-  spdlog::set_default_logger(logs->main);
-  if (logs->access) spdlog::register_logger(logs->access);
+// The library throws for a file that it cannot open.
+arap::Result<spdlog::sink_ptr> FileSink(const LogOptions& options, const char* flag,
+                                        const std::string& path) {
+  try {
+    return std::make_shared<spdlog::sinks::rotating_file_sink_mt>(path, options.max_bytes,
+                                                                  options.files);
+  } catch (const spdlog::spdlog_ex& error) {
+    return arap::Fail(
+        arap::Fault(arap::FaultKind::kInvalidOption, fmt::format("--{}: {}", flag, error.what()))
+            .Field(flag));
+  }
+}
+
+void PutInPlace(const std::shared_ptr<spdlog::logger>& logger, const char* pattern,
+                spdlog::level::level_enum level) {
+  logger->set_pattern(pattern);
+  logger->set_level(level);
+  logger->flush_on(spdlog::level::info);
+}
+
+// The loggers that the config asks for, in their places.
+arap::Status SetUpLogs(const LogOptions& options) {
+  spdlog::sink_ptr sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
+  if (!options.file.empty()) {
+    TRY(sink, FileSink(options, "log-file", options.file));
+  }
+  auto log = std::make_shared<spdlog::logger>("arapd", sink);
+  PutInPlace(log, "%Y-%m-%dT%H:%M:%S.%e%z level=%l %v", spdlog::level::from_str(options.level));
+  // RPCs go into the log unless they have one of their own.
+  if (options.access != "-") {
+    const bool off = options.access == "off";
+    sink = std::make_shared<spdlog::sinks::null_sink_mt>();
+    if (!off) {
+      TRY(sink, FileSink(options, "access-log", options.access));
+    }
+    auto access = std::make_shared<spdlog::logger>(arap::rpc::kAccessLog, sink);
+    PutInPlace(access, "%Y-%m-%dT%H:%M:%S.%e%z %v", off ? spdlog::level::off : spdlog::level::info);
+    spdlog::register_logger(access);
+  }
+  spdlog::set_default_logger(log);
   gpr_set_log_function(LogFromGrpc);
   return {};
 }

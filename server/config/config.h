@@ -2,11 +2,11 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "arap/base/result.h"
-#include "server/config/logs.h"
 #include "server/host/host.h"
 
 namespace CLI {
@@ -14,6 +14,14 @@ class App;
 }
 
 namespace arap::config {
+
+struct LogOptions {
+  std::string level = "info";
+  std::string file;  // empty: standard error
+  std::size_t max_bytes = std::size_t{64} << 20u;
+  std::size_t files = 5;     // rotated ones, beside the one that is written
+  std::string access = "-";  // "-": into the log; "off"; else a file of its own
+};
 
 struct Config {
   host::HostOptions host;
