@@ -29,7 +29,8 @@ struct DerivedKey {
   DerivedKind kind = DerivedKind::kMesh;
   std::string name;
 
-  auto operator<=>(const DerivedKey&) const = default;
+  // clang-tidy takes the zero in the generated comparison for a pointer.
+  auto operator<=>(const DerivedKey&) const = default;  // NOLINT(modernize-use-nullptr)
 };
 
 // Thread-safe. What somebody else still holds is in use: it counts, and it is not evicted, since

@@ -20,7 +20,7 @@ constexpr const char* kUserHeader = "x-arapd-owner";
 // gRPC's name for it; there is a value only when the handshake has verified the certificate.
 constexpr const char* kCommonName = "x509_common_name";
 
-std::string_view View(grpc::string_ref text) { return {text.data(), text.size()}; }
+std::string_view View(const grpc::string_ref& text) { return {text.data(), text.size()}; }
 
 auto Refused(const char* why) { return Fail(FaultKind::kUnauthenticated, why); }
 

@@ -222,14 +222,16 @@ class StreamReactor final
 
   bool Post(app::StreamJob::Lane lane, void (StreamReactor::*job)()) {
     using Lane = app::StreamJob::Lane;
+    runtime::WorkerPool& pool = lane == Lane::kControl  ? engine_.control
+                                : lane == Lane::kFrames ? engine_.interactive
+                                                        : engine_.jobs;
+    // Whoever was let in is not refused a frame because of the calls of others.
+    const bool goes_on = lane == Lane::kFrames ||
+                         (lane == Lane::kJobs && job_.work == app::StreamJob::Work::kUpdate);
     auto run = [self = shared_from_this(), job] { (self.get()->*job)(); };
     // Every stream has its own turn among those of its owner.
     const runtime::Share share{caller_.owner, reinterpret_cast<std::uintptr_t>(this), job_.seconds};
-    if (lane == Lane::kControl) return engine_.control.TryPost(std::move(run), share);
-    if (lane == Lane::kFrames) return engine_.interactive.Continue(std::move(run), share);
-    // Whoever was let in is not refused a frame because of the calls of others.
-    return job_.work == app::StreamJob::Work::kUpdate ? engine_.jobs.Continue(std::move(run), share)
-                                                      : engine_.jobs.TryPost(std::move(run), share);
+    return goes_on ? pool.Continue(std::move(run), share) : pool.TryPost(std::move(run), share);
   }
 
   // The bodies of the jobs, without mutex_.
@@ -240,7 +242,7 @@ class StreamReactor final
     auto session =
         OrOutOfMemory([&] { return engine_.sessions.Use(caller_.owner, open_.session_id()); });
     if (session) {
-      session_ = *std::move(session);
+      session_ = *session;
       const auto set = app::PeekHandleSet(engine_, *session_, open_.handle_set_id());
       const bool cold = set.warmth == app::Warmth::kCold;
       if (!cold) return RunOpen();

@@ -134,7 +134,7 @@ class FairQueue {
  private:
   struct Waiting {
     Entry entry;
-    bool counted;
+    bool counted = false;
   };
   struct Account {
     double served = 0;

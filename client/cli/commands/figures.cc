@@ -54,6 +54,7 @@ class Puppet {
     TRY(const client::Shape shape,
         session_.Deform(id, targets, {{mode, 0}, /*float64=*/true}, {}, call));
     std::vector<Complex> handles;
+    handles.reserve(targets.size());
     for (const HandleTarget& t : targets) handles.push_back(t.target.position);
     AddPanel(shape.positions, std::move(handles), std::move(label));
     return {};

@@ -118,7 +118,7 @@ Result<SessionRecord> RecordOf(const SessionRow& row) {
 
 Result<SessionRow> RowOf(const SessionRecord& record) {
   TRY(auto text, EncodeRecord(record));
-  TRY(const auto sum, Sha256Hex(text));
+  TRY(auto sum, Sha256Hex(text));
   return SessionRow{record.key, static_cast<std::int64_t>(record.revision),
                     ToMillis(record.expires), std::move(sum), std::move(text)};
 }
