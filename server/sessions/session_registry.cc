@@ -19,6 +19,8 @@ using std::chrono::milliseconds;
 constexpr std::size_t kSweep = 1'000;
 constexpr std::size_t kIncarnationDigits = 16;
 constexpr std::size_t kDefaultPageSize = 100;
+// How often a change is tried that another process forestalls.
+constexpr int kChangeTries = 16;
 
 runtime::Clock::Wall WholeMilliseconds(runtime::Clock::Wall time) {
   return std::chrono::time_point_cast<milliseconds>(time);
@@ -281,7 +283,7 @@ Result<Session::Room> SessionRegistry::RoomFor(const Caller& caller,
 Result<Session::Record> SessionRegistry::Change(const Caller& caller, Session& session,
                                                 const Edit& edit) {
   const Held held = locks_.Take(session.key());
-  for (;;) {
+  for (int tries = 0; tries < kChangeTries; ++tries) {
     CHECK_OK(session.Touch());
     const Session::Record before = session.record();
     auto after = std::make_shared<store::SessionRecord>(*before);
@@ -306,6 +308,11 @@ Result<Session::Record> SessionRegistry::Change(const Caller& caller, Session& s
     room = memory_.Hold(session.key().owner, BytesOf(*now));
     session.Reload(*std::move(now), std::move(room));
   }
+  return Fail(Fault(FaultKind::kStoreUnavailable,
+                    fmt::format("Other servers change the session {} faster than this one can; {} "
+                                "tries were in vain.",
+                                Quote(session.key().id), kChangeTries))
+                  .Detail("tries", kChangeTries));
 }
 
 bool SessionRegistry::InUse(const std::string& owner, const std::string& blob) const {

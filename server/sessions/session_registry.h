@@ -79,10 +79,11 @@ class SessionRegistry {
   Status Delete(const std::string& owner, const std::string& id);
 
   // Changes the record and stores it before it answers. `edit` gets a copy and says whether it has
-  // changed it; it is called again when another process was faster, and must not call the registry.
+  // changed it; it is called again when another process was faster, 16 times at most, and must not
+  // call the registry.
   // Returns the record in force. Faults: kNotFound when the session has ended, those of `edit`, and
   // kLimitExceeded when the caller's owner has no room for the meshes or handle sets that were
-  // added, or no memory for the record.
+  // added, or no memory for the record; kStoreUnavailable when another process was faster each time.
   using Edit = std::function<Result<bool>(store::SessionRecord&)>;
   Result<Session::Record> Change(const Caller& caller, Session& session, const Edit& edit);
 

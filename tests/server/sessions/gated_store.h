@@ -38,6 +38,17 @@ class GatedStore final : public store::MemorySpecStore {
     changed_.SignalAll();
   }
 
+  // The next so many calls of Put find that another process was first.
+  void Forestall(int puts) {
+    const MutexLock lock(&mutex_);
+    forestalled_ = puts;
+  }
+  // How many of them have not come.
+  int forestalled() {
+    const MutexLock lock(&mutex_);
+    return forestalled_;
+  }
+
   Result<std::optional<store::SessionRecord>> Load(const store::SessionKey& key) override {
     auto record = MemorySpecStore::Load(key);
     Pass(Call::kLoad, key);
@@ -45,7 +56,7 @@ class GatedStore final : public store::MemorySpecStore {
   }
   Result<bool> Put(const store::SessionRecord& record) override {
     Pass(Call::kPut, record.key);
-    return MemorySpecStore::Put(record);
+    return Forestall() ? false : MemorySpecStore::Put(record);
   }
   Result<bool> Extend(const store::SessionKey& key, const std::string& incarnation,
                       runtime::Clock::Wall expires) override {
@@ -67,6 +78,13 @@ class GatedStore final : public store::MemorySpecStore {
     store::SessionKey key;
   };
 
+  bool Forestall() {
+    const MutexLock lock(&mutex_);
+    if (forestalled_ == 0) return false;
+    --forestalled_;
+    return true;
+  }
+
   void Pass(Call call, const store::SessionKey& key) {
     const MutexLock lock(&mutex_);
     if (!awaited_ || awaited_->call != call || awaited_->key != key) return;
@@ -85,6 +103,7 @@ class GatedStore final : public store::MemorySpecStore {
   std::optional<Awaited> awaited_ ABSL_GUARDED_BY(mutex_);
   bool held_ ABSL_GUARDED_BY(mutex_) = false;
   bool open_ ABSL_GUARDED_BY(mutex_) = false;
+  int forestalled_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace arap::testing

@@ -73,6 +73,30 @@ class SessionLockTest : public ::testing::Test {
   SessionRegistry sessions_{limits_, clock_, store_, memory_, [](const store::SessionRecord&) {}};
 };
 
+TEST_F(SessionLockTest, AChangeThatIsForestalledIsTriedAgain) {
+  ASSERT_TRUE(Create(ann_));
+  store_.Forestall(3);
+  ASSERT_TRUE(AddMesh(ann_, kId, "m"));
+  EXPECT_EQ(store_.forestalled(), 0);
+  EXPECT_EQ(store_.Load({"ann", kId})->value().meshes.count("m"), 1u);
+}
+
+TEST_F(SessionLockTest, AChangeThatIsForestalledForEverEnds) {
+  ASSERT_TRUE(Create(ann_));
+  constexpr int kMany = 1'000;
+  store_.Forestall(kMany);
+  const auto changed = AddMesh(ann_, kId, "m");
+  ASSERT_FALSE(changed);
+  EXPECT_EQ(changed.error().kind, FaultKind::kStoreUnavailable);
+  EXPECT_EQ(DetailOf(changed.error(), "tries"), "16");
+  EXPECT_GT(InfoOf(changed.error().kind).retry.count(), 0);
+  EXPECT_EQ(store_.forestalled(), kMany - 16);
+  // Nothing is left behind: neither the change nor the lock.
+  store_.Forestall(0);
+  EXPECT_TRUE(store_.Load({"ann", kId})->value().meshes.empty());
+  EXPECT_TRUE(AddMesh(ann_, kId, "n"));
+}
+
 TEST_F(SessionLockTest, DeletedWhileItIsLoadedItStaysAway) {
   ASSERT_NO_FATAL_FAILURE(Store(ann_));
   store_.HoldUp(Call::kLoad, {"ann", kId});
