@@ -12,7 +12,8 @@
 #include "arap/core/pick.h"
 #include "core/base/names.h"
 #include "core/base/try.h"
-#include "server/sessions/workshop.h"
+#include "server/sessions/handle_sets.h"
+#include "server/sessions/meshes.h"
 #include "server/streams/live_set.h"
 
 namespace arap::rpc {

@@ -17,7 +17,6 @@
 #include "server/runtime/metrics.h"
 #include "server/sessions/handle_sets.h"
 #include "server/sessions/meshes.h"
-#include "server/sessions/workshop.h"
 #include "server/streams/live_set.h"
 #include "server/streams/targets.h"
 
@@ -187,6 +186,16 @@ RowCount RowsOf(const google::protobuf::RepeatedPtrField<v1::Handle>& handles,
   return count;
 }
 
+// To say that there is no such thing is quick; a session that is not in memory knows nothing.
+template <class Peeked, class Estimate>
+Expected WhenWarm(const Peeked& peeked, Estimate estimate) {
+  if (peeked.warmth == app::Warmth::kMissing) return {};
+  if (peeked.warmth == app::Warmth::kCold) return kCold;
+  return {false, estimate(peeked)};
+}
+
+constexpr auto kNoTime = [](const auto&) { return 0.0; };
+
 Expected ExpectRegistration(app::Engine&, const app::Session*,
                             const v1::RegisterMeshRequest& request) {
   const auto vertices = static_cast<std::size_t>(request.mesh().vertices_size()) / 2;
@@ -196,47 +205,46 @@ Expected ExpectRegistration(app::Engine&, const app::Session*,
 Expected ExpectMesh(app::Engine& engine, const app::Session* session,
                     const v1::GetMeshRequest& request) {
   if (session == nullptr) return kCold;
-  const auto mesh = app::PeekMesh(engine, *session, request.mesh_id());
-  return mesh.warmth == app::Warmth::kCold ? kCold : Expected{};
+  return WhenWarm(app::PeekMesh(engine, *session, request.mesh_id()), kNoTime);
 }
 
 Expected ExpectCompilation(app::Engine& engine, const app::Session* session,
                            const v1::CompileHandlesRequest& request) {
   if (session == nullptr) return kCold;
-  const auto mesh = app::PeekMesh(engine, *session, request.mesh_id());
-  if (mesh.warmth == app::Warmth::kMissing) return {};
-  if (mesh.warmth == app::Warmth::kCold) return kCold;
-  const std::size_t vertices = mesh.mesh->mesh().vertices.size();
-  return {false, EstimateCompilation(*mesh.mesh, RowsOf(request.handles(), vertices)).seconds()};
+  return WhenWarm(
+      app::PeekMesh(engine, *session, request.mesh_id()), [&](const app::PeekedMesh& peeked) {
+        const std::size_t vertices = peeked.mesh->mesh().vertices.size();
+        return EstimateCompilation(*peeked.mesh, RowsOf(request.handles(), vertices)).seconds();
+      });
 }
 
 Expected ExpectEdit(app::Engine& engine, const app::Session* session,
                     const v1::EditHandlesRequest& request) {
   if (session == nullptr) return kCold;
-  const auto set = app::PeekHandleSet(engine, *session, request.handle_set_id());
-  if (set.warmth == app::Warmth::kMissing) return {};
-  if (set.warmth == app::Warmth::kCold) return kCold;
-  const std::size_t vertices = set.handles->mesh()->mesh().vertices.size();
-  return {false, EstimateEdit(*set.handles, {}, RowsOf(request.add(), vertices)).cost.seconds()};
+  return WhenWarm(
+      app::PeekHandleSet(engine, *session, request.handle_set_id()),
+      [&](const app::PeekedSet& peeked) {
+        const std::size_t vertices = peeked.handles->mesh()->mesh().vertices.size();
+        return EstimateEdit(*peeked.handles, {}, RowsOf(request.add(), vertices)).cost.seconds();
+      });
 }
 
 Expected ExpectHandleSet(app::Engine& engine, const app::Session* session,
                          const v1::GetHandleSetRequest& request) {
   if (session == nullptr) return kCold;
-  const auto set = app::PeekHandleSet(engine, *session, request.handle_set_id());
-  return set.warmth == app::Warmth::kCold ? kCold : Expected{};
+  return WhenWarm(app::PeekHandleSet(engine, *session, request.handle_set_id()), kNoTime);
 }
 
 Expected ExpectFrame(app::Engine& engine, const app::Session* session,
                      const v1::DeformRequest& request) {
   if (session == nullptr) return kCold;
-  const auto set = app::PeekHandleSet(engine, *session, request.handle_set_id());
-  if (set.warmth == app::Warmth::kMissing) return {};
-  if (set.warmth == app::Warmth::kCold) return kCold;
-  const auto options = convert::FromWire(request.options(), engine.limits.max_refine);
-  if (!options) return {};
-  const auto picks = static_cast<std::size_t>(request.pick_points_size()) / 2;
-  return {false, EstimateFrame(*set.handles, *options, picks).seconds()};
+  return WhenWarm(
+      app::PeekHandleSet(engine, *session, request.handle_set_id()),
+      [&](const app::PeekedSet& peeked) {
+        const auto options = convert::FromWire(request.options(), engine.limits.max_refine);
+        const auto picks = static_cast<std::size_t>(request.pick_points_size()) / 2;
+        return options ? EstimateFrame(*peeked.handles, *options, picks).seconds() : 0.0;
+      });
 }
 
 }  // namespace

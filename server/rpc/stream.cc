@@ -22,7 +22,6 @@
 #include "server/rpc/rpc_log.h"
 #include "server/runtime/clock.h"
 #include "server/sessions/handle_sets.h"
-#include "server/sessions/workshop.h"
 #include "server/streams/live_set.h"
 #include "server/streams/stream_policy.h"
 

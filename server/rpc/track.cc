@@ -24,7 +24,7 @@
 #include "server/rpc/rpc_log.h"
 #include "server/rpc/unary.h"
 #include "server/runtime/clock.h"
-#include "server/sessions/workshop.h"
+#include "server/sessions/handle_sets.h"
 #include "server/streams/live_set.h"
 #include "server/streams/stream_policy.h"
 #include "server/streams/targets.h"

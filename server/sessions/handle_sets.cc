@@ -15,6 +15,50 @@
 namespace arap::app {
 namespace {
 
+// A compiled set, and what tells whether it is the one that a record means: another process may
+// have changed the set under its id.
+struct CompiledSet {
+  std::string blob;
+  store::HandleDefinitions definitions;
+  std::shared_ptr<const CompiledHandles> handles;
+};
+
+bool IsOf(const CompiledSet& set, const store::HandleSetRecord& record, const std::string& blob) {
+  return set.blob == blob && store::SameDefinitions(set.definitions, record.definitions);
+}
+
+// The handles; who holds them holds the set that is kept, which therefore counts as in use.
+std::shared_ptr<const CompiledHandles> HandlesOf(const std::shared_ptr<const CompiledSet>& set) {
+  return {set, set->handles.get()};
+}
+
+// Keeps what was just computed and stored; `blob` names the mesh that the set was compiled on.
+HandleSetEntry KeepWarm(Workshop& workshop, const store::SessionKey& session,
+                        const std::string& blob, HandleSetEntry entry) {
+  const std::size_t bytes = entry.handles->bytes();
+  auto set = std::make_shared<const CompiledSet>(
+      CompiledSet{blob, entry.definitions, std::move(entry.handles)});
+  set = workshop.derived.Keep<CompiledSet>(HandleSetKey(session, entry.handle_set_id),
+                                           std::move(set), bytes, true);
+  entry.handles = HandlesOf(set);
+  return entry;
+}
+
+// Handles that the core will refuse cost nothing: it says why itself.
+Result<Cost> CostOfRefused(Fault fault) {
+  const bool gave_up =
+      fault.kind == FaultKind::kCancelled || fault.kind == FaultKind::kDeadlineExceeded;
+  if (gave_up) return Fail(std::move(fault));
+  return Cost{};
+}
+
+Result<Cost> CompilationCostOf(const RegisteredMesh& mesh, const std::vector<Handle>& handles,
+                               const CancelToken& cancel) {
+  auto rows = CountRows(mesh, handles, cancel);
+  if (rows) return EstimateCompilation(mesh, *rows);
+  return CostOfRefused(std::move(rows.error()));
+}
+
 Status CheckCount(std::size_t count, const Limits& limits, std::string field) {
   if (count <= limits.max_handles) return {};
   return Fail(
@@ -108,6 +152,27 @@ Result<HandleSetEntry> CompileHandles(Workshop& workshop, const Caller& caller,
   return entry;
 }
 
+Result<HandleSetEntry> WarmHandleSet(Workshop& workshop, const Caller& caller,
+                                     const Session& session, const std::string& handle_set_id,
+                                     const CancelToken& cancel) {
+  const auto record = session.record();
+  TRY(auto set, FindHandleSet(*record, handle_set_id));
+  const std::string& blob = record->meshes.at(set.mesh_id).blob;
+  HandleSetEntry entry{handle_set_id, set.mesh_id, set.definitions, nullptr, set.revision, blob};
+  const auto kept = workshop.derived.Find<CompiledSet>(HandleSetKey(session.key(), handle_set_id));
+  if (kept && IsOf(*kept, set, blob)) {
+    entry.handles = HandlesOf(kept);
+    return entry;
+  }
+  TRY(const auto mesh, WarmMesh(workshop, caller, session, set.mesh_id, cancel));
+  TRY(const Cost cost, CompilationCostOf(*mesh.mesh, *set.definitions, cancel));
+  TRY(const auto room, workshop.derived.Reserve(caller, cost.bytes));
+  const runtime::WallTimer working;
+  TRY(entry.handles, CompiledHandles::Compile(mesh.mesh, *set.definitions, cancel));
+  workshop.metrics.Phase(runtime::Phase::kRebuild, working.Micros() * 1e-6);
+  return KeepWarm(workshop, session.key(), mesh.content_hash, std::move(entry));
+}
+
 Result<Cost> EditCostOf(const HandleSetEntry& entry, const std::vector<std::string>& remove,
                         const std::vector<Handle>& add, const Limits& limits,
                         const CancelToken& cancel) {
@@ -171,6 +236,23 @@ Status DeleteHandleSet(Workshop& workshop, const Caller& caller, const std::stri
   TRY(const auto stored, workshop.sessions.Change(caller, *session, remove));
   workshop.ReleaseHandleSet(session->key(), handle_set_id);
   return {};
+}
+
+PeekedSet PeekHandleSet(Workshop& workshop, const Session& session,
+                        const std::string& handle_set_id) {
+  const auto record = session.record();
+  const auto set = record->handle_sets.find(handle_set_id);
+  if (set == record->handle_sets.end()) return {};
+  const auto kept = workshop.derived.Peek<CompiledSet>(HandleSetKey(record->key, handle_set_id));
+  if (!kept || !IsOf(*kept, set->second, record->meshes.at(set->second.mesh_id).blob)) {
+    return {Warmth::kCold, nullptr};
+  }
+  return {Warmth::kWarm, HandlesOf(kept)};
+}
+
+DerivedKey HandleSetKey(const store::SessionKey& session, const std::string& handle_set_id) {
+  // No id has a slash.
+  return {session.owner, DerivedKind::kHandleSet, session.id + "/" + handle_set_id};
 }
 
 }  // namespace arap::app

@@ -1,5 +1,8 @@
 #include "server/sessions/meshes.h"
 
+#include <cstdint>
+#include <cstring>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -10,7 +13,6 @@
 #include "server/budget/faults.h"
 #include "server/runtime/clock.h"
 #include "server/runtime/metrics.h"
-#include "server/store/blobs/mesh_blob.h"
 
 namespace arap::app {
 namespace {
@@ -31,17 +33,106 @@ Result<bool> HasMesh(const store::SessionRecord& record, const std::string& mesh
   return false;
 }
 
+// Registers a mesh in memory that is reserved for it.
 Result<std::shared_ptr<const RegisteredMesh>> Factor(Workshop& workshop, const Caller& caller,
                                                      PlanarMesh mesh, const EnergyOptions& options,
+                                                     const MeshLimits& limits,
                                                      const CancelToken& cancel) {
-  const MeshLimits limits{workshop.limits.max_vertices, workshop.limits.max_triangles};
-  // Before memory is taken: what is asked amiss stays so however much room there is.
-  CHECK_OK(RegisteredMesh::CheckOptions(options, mesh.triangles.size()));
   TRY(const auto room,
       workshop.derived.Reserve(caller,
                                EstimateRegistration(mesh.vertices.size(), options.basis).bytes));
   return RegisteredMesh::Register(std::move(mesh), options, limits, cancel);
 }
+
+Result<std::shared_ptr<const RegisteredMesh>> FactorNew(Workshop& workshop, const Caller& caller,
+                                                        PlanarMesh mesh,
+                                                        const EnergyOptions& options,
+                                                        const CancelToken& cancel) {
+  // Before memory is taken: what is asked amiss stays so however much room there is.
+  CHECK_OK(RegisteredMesh::CheckOptions(options, mesh.triangles.size()));
+  return Factor(workshop, caller, std::move(mesh), options,
+                {workshop.limits.max_vertices, workshop.limits.max_triangles}, cancel);
+}
+
+Result<std::shared_ptr<const RegisteredMesh>> Rebuild(Workshop& workshop, const Caller& caller,
+                                                      const std::string& blob,
+                                                      const CancelToken& cancel) {
+  TRY(auto bytes, workshop.stores.blobs->Get(blob));
+  TRY(auto stored, DecodeMesh(bytes));
+  bytes = {};
+  // What was accepted once stays, also when the limits have shrunk since.
+  constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
+  const runtime::WallTimer working;
+  TRY(auto mesh,
+      Factor(workshop, caller, std::move(stored.mesh), stored.options, {kAny, kAny}, cancel));
+  workshop.metrics.Phase(runtime::Phase::kRebuild, working.Micros() * 1e-6);
+  return mesh;
+}
+
+// Blobs are named by their digest; the client knows its mesh by the id.
+Fault NamingMesh(Fault fault, const std::string& mesh_id) {
+  if (fault.kind == FaultKind::kDataLoss) {
+    fault.message = "The stored mesh " + Quote(mesh_id) + " cannot be read: " + fault.message;
+    fault.Detail("mesh", mesh_id);
+  }
+  return fault;
+}
+
+// Keeps what was just computed and stored. Returns the entry that is kept: an equal one that came
+// first.
+MeshEntry KeepWarm(Workshop& workshop, const std::string& owner, MeshEntry entry) {
+  const std::size_t bytes = entry.mesh->report().bytes;
+  entry.mesh = workshop.derived.Keep<RegisteredMesh>(MeshKey(owner, entry.content_hash),
+                                                     std::move(entry.mesh), bytes);
+  return entry;
+}
+
+// To be changed whenever the same mesh would get other factors.
+constexpr std::string_view kTag = "arap planar mesh 1\n";
+
+void Append(std::string& bytes, const void* data, std::size_t size) {
+  bytes.append(static_cast<const char*>(data), size);
+}
+void AppendNumber(std::string& bytes, std::uint64_t number) {
+  Append(bytes, &number, sizeof number);
+}
+template <class T>
+void AppendArray(std::string& bytes, const std::vector<T>& items) {
+  AppendNumber(bytes, items.size());
+  Append(bytes, items.data(), items.size() * sizeof(T));
+}
+
+// Takes bytes from the front. After the first read that fails all others fail too.
+class BlobReader {
+ public:
+  explicit BlobReader(std::string_view bytes) : left_(bytes) {}
+
+  bool Tag(std::string_view tag) {
+    if (!left_.starts_with(tag)) return false;
+    left_.remove_prefix(tag.size());
+    return true;
+  }
+  bool Number(std::uint64_t& number) {
+    if (left_.size() < sizeof number) return false;
+    std::memcpy(&number, left_.data(), sizeof number);
+    left_.remove_prefix(sizeof number);
+    return true;
+  }
+  template <class T>
+  bool Array(std::vector<T>& items) {
+    std::uint64_t count = 0;
+    if (!Number(count) || count > left_.size() / sizeof(T)) return false;
+    items.resize(static_cast<std::size_t>(count));
+    const std::size_t size = items.size() * sizeof(T);
+    if (size > 0) std::memcpy(static_cast<void*>(items.data()), left_.data(), size);
+    left_.remove_prefix(size);
+    return true;
+  }
+  bool AtEnd() const { return left_.empty(); }
+
+ private:
+  std::string_view left_;
+};
 
 }  // namespace
 
@@ -52,7 +143,7 @@ Result<Registration> RegisterMesh(Workshop& workshop, const Caller& caller,
   const runtime::WallTimer working;
   TRY(const auto session, workshop.sessions.Use(caller.owner, session_id));
   if (!mesh_id.empty()) CHECK_OK(CheckName(mesh_id, "mesh_id"));
-  const std::string bytes = store::EncodeMesh(mesh, options);
+  const std::string bytes = EncodeMesh(mesh, options);
   TRY(const std::string hash, Sha256Hex(bytes));
   if (mesh_id.empty()) mesh_id = hash.substr(0, kDefaultIdLength);
 
@@ -61,7 +152,7 @@ Result<Registration> RegisterMesh(Workshop& workshop, const Caller& caller,
                   workshop.derived.Find<RegisteredMesh>(MeshKey(caller.owner, hash))};
   const bool shared = entry.mesh != nullptr;
   if (!shared) {
-    TRY(entry.mesh, Factor(workshop, caller, std::move(mesh), options, cancel));
+    TRY(entry.mesh, FactorNew(workshop, caller, std::move(mesh), options, cancel));
   }
   if (!has) {
     // The blob first: a record never names what is not there.
@@ -76,6 +167,18 @@ Result<Registration> RegisterMesh(Workshop& workshop, const Caller& caller,
   entry = KeepWarm(workshop, caller.owner, std::move(entry));
   if (!shared) workshop.metrics.Phase(runtime::Phase::kRegister, working.Micros() * 1e-6);
   return Registration{std::move(entry), shared};
+}
+
+Result<MeshEntry> WarmMesh(Workshop& workshop, const Caller& caller, const Session& session,
+                           const std::string& mesh_id, const CancelToken& cancel) {
+  TRY(const auto mesh, FindMesh(*session.record(), mesh_id));
+  const DerivedKey key = MeshKey(session.key().owner, mesh.blob);
+  if (auto kept = workshop.derived.Find<RegisteredMesh>(key)) {
+    return MeshEntry{mesh_id, mesh.blob, std::move(kept)};
+  }
+  auto rebuilt = Rebuild(workshop, caller, mesh.blob, cancel);
+  if (!rebuilt) return Fail(NamingMesh(std::move(rebuilt.error()), mesh_id));
+  return KeepWarm(workshop, session.key().owner, {mesh_id, mesh.blob, *std::move(rebuilt)});
 }
 
 Status DeleteMesh(Workshop& workshop, const Caller& caller, const std::string& session_id,
@@ -99,6 +202,45 @@ Status DeleteMesh(Workshop& workshop, const Caller& caller, const std::string& s
   for (const std::string& set : sets) workshop.ReleaseHandleSet(session->key(), set);
   workshop.ReleaseMesh(caller.owner, blob);
   return {};
+}
+
+PeekedMesh PeekMesh(Workshop& workshop, const Session& session, const std::string& mesh_id) {
+  const auto record = session.record();
+  const auto mesh = record->meshes.find(mesh_id);
+  if (mesh == record->meshes.end()) return {};
+  auto kept = workshop.derived.Peek<RegisteredMesh>(MeshKey(record->key.owner, mesh->second.blob));
+  return {kept ? Warmth::kWarm : Warmth::kCold, std::move(kept)};
+}
+
+DerivedKey MeshKey(const std::string& owner, const std::string& blob) {
+  return {owner, DerivedKind::kMesh, blob};
+}
+
+std::string EncodeMesh(const PlanarMesh& mesh, const EnergyOptions& options) {
+  std::string bytes(kTag);
+  bytes.reserve(kTag.size() + 5 * sizeof(std::uint64_t) + options.rigidity.size() * sizeof(double) +
+                mesh.vertices.size() * sizeof(Complex) + mesh.triangles.size() * sizeof(Triangle));
+  AppendNumber(bytes, static_cast<std::uint64_t>(options.basis));
+  AppendNumber(bytes, static_cast<std::uint64_t>(options.weights));
+  AppendArray(bytes, options.rigidity);
+  AppendArray(bytes, mesh.vertices);
+  AppendArray(bytes, mesh.triangles);
+  return bytes;
+}
+
+Result<MeshBlob> DecodeMesh(std::string_view bytes) {
+  BlobReader reader(bytes);
+  MeshBlob blob;
+  std::uint64_t basis = 0, weights = 0;
+  const bool good = reader.Tag(kTag) && reader.Number(basis) && reader.Number(weights) &&
+                    basis <= static_cast<std::uint64_t>(Basis::kVertex) &&
+                    weights <= static_cast<std::uint64_t>(Weights::kCotangent) &&
+                    reader.Array(blob.options.rigidity) && reader.Array(blob.mesh.vertices) &&
+                    reader.Array(blob.mesh.triangles) && reader.AtEnd();
+  if (!good) return Fail(FaultKind::kDataLoss, "A stored mesh is not in the form of this version.");
+  blob.options.basis = static_cast<Basis>(basis);
+  blob.options.weights = static_cast<Weights>(weights);
+  return blob;
 }
 
 }  // namespace arap::app

@@ -1,16 +1,30 @@
-// Meshes: how one enters a session, sharing the factors of an equal one, and leaves it.
+// Meshes: how one enters a session, sharing the factors of an equal one, how it is found again, or
+// registered again from its blob after it was evicted, after a restart or on another replica, and
+// how it leaves.
 #pragma once
 
+#include <memory>
 #include <string>
+#include <string_view>
 
 #include "arap/base/cancel.h"
 #include "arap/base/result.h"
+#include "arap/core/registered_mesh.h"
 #include "arap/model/energy.h"
 #include "arap/model/mesh.h"
 #include "server/access/caller.h"
+#include "server/budget/derived_cache.h"
+#include "server/sessions/session.h"
 #include "server/sessions/workshop.h"
 
 namespace arap::app {
+
+// A mesh under the id that the client gave it.
+struct MeshEntry {
+  std::string mesh_id;
+  std::string content_hash;  // also the name of its blob
+  std::shared_ptr<const RegisteredMesh> mesh;
+};
 
 struct Registration {
   MeshEntry entry;
@@ -26,8 +40,43 @@ Result<Registration> RegisterMesh(Workshop& workshop, const Caller& caller,
                                   PlanarMesh mesh, const EnergyOptions& options,
                                   const CancelToken& cancel);
 
+// The entry. When it is not warm this takes as long as the registration: for the job lane. Faults:
+// kNotFound; kDataLoss for a blob that is missing or damaged; kLimitExceeded when the memory is not
+// to be had; kStoreUnavailable; and what `cancel` answers.
+Result<MeshEntry> WarmMesh(Workshop& workshop, const Caller& caller, const Session& session,
+                           const std::string& mesh_id, const CancelToken& cancel);
+
 // Forgets it and the handle sets on it. kNotFound.
 Status DeleteMesh(Workshop& workshop, const Caller& caller, const std::string& session_id,
                   const std::string& mesh_id);
+
+// What the next call finds in the cache.
+enum class Warmth {
+  kMissing,  // there is no such thing: to say so is quick
+  kCold,     // it has to be computed again
+  kWarm,
+};
+struct PeekedMesh {
+  Warmth warmth = Warmth::kMissing;
+  std::shared_ptr<const RegisteredMesh> mesh;  // kWarm
+};
+// Never blocks and counts no look-up.
+PeekedMesh PeekMesh(Workshop& workshop, const Session& session, const std::string& mesh_id);
+
+// Under this key the cache keeps the mesh of a blob.
+DerivedKey MeshKey(const std::string& owner, const std::string& blob);
+
+// The blob of a mesh: the input of a registration.
+struct MeshBlob {
+  PlanarMesh mesh;
+  EnergyOptions options;
+};
+
+// A version tag, basis, weights, then rigidity, vertices and triangles, each behind its length; all
+// numbers in the byte order of the machine. Equal arguments give equal bytes.
+std::string EncodeMesh(const PlanarMesh& mesh, const EnergyOptions& options);
+
+// kDataLoss for bytes that EncodeMesh did not write.
+Result<MeshBlob> DecodeMesh(std::string_view bytes);
 
 }  // namespace arap::app

@@ -30,7 +30,7 @@ struct SessionKey {
   auto operator<=>(const SessionKey&) const = default;  // NOLINT(modernize-use-nullptr)
 };
 
-// A mesh with its options. `blob` is the SHA-256 of the mesh blob (mesh_blob.h) and at the same
+// A mesh with its options. `blob` is the SHA-256 of the mesh blob (server/sessions/meshes.h) and at the same
 // time the content hash.
 struct MeshRecord {
   std::string blob;

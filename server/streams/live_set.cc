@@ -13,7 +13,6 @@
 #include "core/mesh/locate.h"
 #include "server/runtime/clock.h"
 #include "server/runtime/metrics.h"
-#include "server/sessions/handle_sets.h"
 #include "server/streams/targets.h"
 
 namespace arap::app {

@@ -10,7 +10,7 @@
 #include "arap/base/result.h"
 #include "arap/core/deformer.h"
 #include "arap/model/limits.h"
-#include "server/sessions/workshop.h"
+#include "server/sessions/handle_sets.h"
 
 namespace arap::runtime {
 class Metrics;

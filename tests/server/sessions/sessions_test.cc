@@ -8,7 +8,6 @@
 #include "server/engine.h"
 #include "server/sessions/handle_sets.h"
 #include "server/sessions/meshes.h"
-#include "server/sessions/workshop.h"
 #include "tests/support/fake_clock.h"
 #include "tests/support/meshes.h"
 

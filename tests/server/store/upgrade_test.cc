@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/store/blobs/mesh_blob.h"
+#include "server/sessions/meshes.h"
 #include "server/store/open_store.h"
 #include "server/store/sqlite/sqlite.h"
 #include "tests/server/store/redis_server.h"
@@ -40,7 +40,7 @@ void ExpectAsReleased(Stores& stores, const SessionRecord& record) {
             Complex(2.7348469228349535, 2.0));
   const auto bytes = stores.blobs->Get(record.meshes.begin()->second.blob);
   ASSERT_TRUE(bytes);
-  const auto mesh = DecodeMesh(*bytes);
+  const auto mesh = app::DecodeMesh(*bytes);
   ASSERT_TRUE(mesh);
   EXPECT_GT(mesh->mesh.triangles.size(), 20u);
 }
