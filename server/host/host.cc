@@ -20,7 +20,7 @@
 
 #include "core/base/try.h"
 #include "server/host/listen.h"
-#include "server/rpc/methods.h"
+#include "server/rpc/unary.h"
 #include "server/runtime/metrics.h"
 
 namespace arap::host {

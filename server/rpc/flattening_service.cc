@@ -8,8 +8,8 @@
 #include "proto/convert/flatten.h"
 #include "server/flattening/prepared_surfaces.h"
 #include "server/rpc/convert.h"
-#include "server/rpc/methods.h"
 #include "server/rpc/services.h"
+#include "server/rpc/unary.h"
 #include "server/runtime/clock.h"
 
 namespace arap::rpc {

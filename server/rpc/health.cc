@@ -7,7 +7,7 @@
 #include "core/base/try.h"
 #include "proto/convert/status.h"
 #include "server/budget/faults.h"
-#include "server/rpc/methods.h"
+#include "server/rpc/unary.h"
 
 namespace arap::rpc {
 namespace {

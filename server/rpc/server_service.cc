@@ -8,8 +8,8 @@
 #include "proto/convert/status.h"
 #include "server/engine.h"
 #include "server/rpc/connections.h"
-#include "server/rpc/methods.h"
 #include "server/rpc/services.h"
+#include "server/rpc/unary.h"
 
 namespace arap::rpc {
 namespace {
