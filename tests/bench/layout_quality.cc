@@ -2,12 +2,15 @@
 
 #include <vector>
 
+#include "core/flatten/distortion.h"
+#include "core/mesh/space.h"
+
 namespace arap::bench {
 namespace {
 
 double Area(const SurfaceMesh& mesh, const Triangle& t) {
   const auto& p = mesh.vertices;
-  return 0.5 * (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).norm();
+  return 0.5 * TwiceArea(p[t[0]], p[t[1]], p[t[2]]);
 }
 
 // The least over c of Σ A((c·s1 − 1)² + (c·s2 − 1)²) / ΣA.
