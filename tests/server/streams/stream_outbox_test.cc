@@ -1,9 +1,9 @@
 // The outbox of a stream: order, replacement, pongs.
-#include "server/streams/stream_outbox.h"
-
 #include <utility>
 
 #include <gtest/gtest.h>
+
+#include "server/streams/stream_policy.h"
 
 namespace arap::app {
 namespace {
