@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <variant>
 
 #include "core/base/try.h"
 #include "core/base/wide.h"
@@ -77,6 +78,30 @@ std::vector<std::uint32_t> DrawOrder(const CompiledHandles& handles) {
   std::stable_sort(order.begin(), order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return key[a] < key[b]; });
   return order;
+}
+
+std::vector<std::optional<std::uint32_t>> TrianglesUnder(const RegisteredMesh& mesh,
+                                                         std::span<const PlacedHandle> handles) {
+  const PlanarMesh& rest = mesh.mesh();
+  TriangleFinder finder(mesh.parts().nearby, rest.vertices, rest.triangles);
+  const auto under = [&](const PlacedHandle& handle) -> std::optional<std::uint32_t> {
+    if (const auto* vertex = std::get_if<VertexAnchor>(&handle.handle.anchor)) {
+      const std::uint32_t triangle = finder.Of(vertex->vertex);
+      return triangle == kNone ? std::nullopt : std::optional(triangle);
+    }
+    if (const auto* triangle = std::get_if<TriangleAnchor>(&handle.handle.anchor)) {
+      return triangle->triangle;
+    }
+    // The wider tolerance is for points on the boundary.
+    for (const double tolerance : {kLocateTolerance, 1e-4}) {
+      if (const auto found = finder.At(handle.rest, tolerance)) return found->triangle;
+    }
+    return std::nullopt;
+  };
+  std::vector<std::optional<std::uint32_t>> triangles;
+  triangles.reserve(handles.size());
+  for (const PlacedHandle& handle : handles) triangles.push_back(under(handle));
+  return triangles;
 }
 
 Result<std::vector<std::optional<Pick>>> FindPicks(const CompiledHandles& handles,

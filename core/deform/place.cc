@@ -99,7 +99,8 @@ Fault OutOfRange(const char* what, std::uint32_t id, std::size_t count, const Na
 
 class Placer {
  public:
-  explicit Placer(const RegisteredMeshParts& mesh) : mesh_(mesh) {}
+  explicit Placer(const RegisteredMeshParts& mesh)
+      : mesh_(mesh), finder_(mesh.nearby, mesh.rest, mesh.mesh.triangles) {}
 
   // Where a handle is, and the vertices that it holds if it is oriented or has an area.
   struct Found {
@@ -156,7 +157,7 @@ class Placer {
       return Fail(OutOfRange("vertex", vertex, mesh_.rest.size(), named));
     }
     Seat seat;
-    seat.triangle = FirstTriangle(vertex);
+    seat.triangle = finder_.Of(vertex);
     if (seat.triangle == kNone) {
       return Fail(
           named
@@ -191,7 +192,7 @@ class Placer {
       return Fail(named.Bad(FaultKind::kInvalidOption, field,
                             fmt::format("{} is too far away for this mesh.", field)));
     }
-    if (const auto found = LowestAt(p)) return Seat{found->triangle, found->barycentric, 0};
+    if (const auto found = finder_.At(p)) return Seat{found->triangle, found->barycentric, 0};
     const Located near = NearestOnBoundary(mesh_.rest, mesh_.mesh.triangles, mesh_.topology, p);
     if (named.handle.outside == Outside::kSnap) {
       return Seat{near.triangle, near.barycentric, near.distance};
@@ -205,36 +206,6 @@ class Placer {
                     .Detail("distance", distance));
   }
 
-  const TriangleBoxes& Boxes() {
-    if (!boxes_) boxes_.emplace(mesh_.nearby, mesh_.rest, mesh_.mesh.triangles);
-    return *boxes_;
-  }
-
-  // The lowest triangle that holds the point.
-  std::optional<Located> LowestAt(Complex p) {
-    std::optional<Located> lowest;
-    const auto wanted = [&](const TriangleBox& box) {
-      return box.Holds(p) && (!lowest || box.lowest < lowest->triangle);
-    };
-    Boxes().ForEach(wanted, [&](std::uint32_t t) {
-      if (lowest && lowest->triangle < t) return;
-      if (const auto found = LocateIn(mesh_.rest, mesh_.mesh.triangles, t, p)) lowest = found;
-    });
-    return lowest;
-  }
-
-  // The lowest triangle of a vertex, or kNone.
-  std::uint32_t FirstTriangle(std::uint32_t vertex) {
-    const auto& triangles = mesh_.mesh.triangles;
-    if (first_triangle_.empty()) {
-      first_triangle_.assign(mesh_.rest.size(), kNone);
-      for (auto t = static_cast<std::uint32_t>(triangles.size()); t-- > 0;) {
-        for (const std::uint32_t v : triangles[t]) first_triangle_[v] = t;
-      }
-    }
-    return first_triangle_[vertex];
-  }
-
   // The vertices that an oriented or area handle holds: those of its triangle, and those of its
   // component within the radius.
   std::vector<std::uint32_t> HeldVertices(std::uint32_t triangle, Complex rest, double radius) {
@@ -246,7 +217,7 @@ class Placer {
         return box.x0 <= rest.real() + radius && box.x1 >= rest.real() - radius &&
                box.y0 <= rest.imag() + radius && box.y1 >= rest.imag() - radius;
       };
-      Boxes().ForEach(wanted, [&](std::uint32_t near) {
+      finder_.boxes().ForEach(wanted, [&](std::uint32_t near) {
         for (const std::uint32_t v : mesh_.mesh.triangles[near]) {
           if (mesh_.topology.vertex_component[v] == component &&
               std::abs(mesh_.rest[v] - rest) <= radius) {
@@ -261,8 +232,7 @@ class Placer {
   }
 
   const RegisteredMeshParts& mesh_;
-  std::vector<std::uint32_t> first_triangle_;  // #V, from the first handle on a vertex on
-  std::optional<TriangleBoxes> boxes_;         // from the first that needs them on
+  TriangleFinder finder_;
 };
 
 // Calls visit(handle, found) for every handle in turn, while there is room for their rows beside

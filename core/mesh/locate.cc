@@ -142,4 +142,35 @@ TriangleBoxes::TriangleBoxes(std::span<const std::uint32_t> order,
   }
 }
 
+const TriangleBoxes& TriangleFinder::boxes() {
+  if (!boxes_) boxes_.emplace(order_, vertices_, triangles_);
+  return *boxes_;
+}
+
+std::optional<Located> TriangleFinder::At(Complex p, double tolerance) {
+  std::optional<Located> lowest;
+  const auto wanted = [&](const TriangleBox& box) {
+    if (lowest && box.lowest > lowest->triangle) return false;
+    // A point with a weight of -tolerance is outside by as much of the triangle.
+    const double dx = 4 * tolerance * (box.x1 - box.x0), dy = 4 * tolerance * (box.y1 - box.y0);
+    return p.real() >= box.x0 - dx && p.real() <= box.x1 + dx && p.imag() >= box.y0 - dy &&
+           p.imag() <= box.y1 + dy;
+  };
+  boxes().ForEach(wanted, [&](std::uint32_t t) {
+    if (lowest && lowest->triangle < t) return;
+    if (const auto found = LocateIn(vertices_, triangles_, t, p, tolerance)) lowest = found;
+  });
+  return lowest;
+}
+
+std::uint32_t TriangleFinder::Of(std::uint32_t vertex) {
+  if (first_triangle_.empty()) {
+    first_triangle_.assign(vertices_.size(), kNone);
+    for (auto t = static_cast<std::uint32_t>(triangles_.size()); t-- > 0;) {
+      for (const std::uint32_t v : triangles_[t]) first_triangle_[v] = t;
+    }
+  }
+  return first_triangle_[vertex];
+}
+
 }  // namespace arap

@@ -101,4 +101,29 @@ class TriangleBoxes {
   std::vector<std::vector<TriangleBox>> levels_;  // groups of triangles, groups of those, …
 };
 
+// The lowest triangles that hold points and vertices of one shape. Each of its two tables is made when
+// it is first needed, in O(#F); then a vertex takes O(1), and a point O(log #F) where few triangles lie
+// over one another. Not thread-safe. Everything given must outlive it.
+class TriangleFinder {
+ public:
+  // `order` is NearbyOrder's, of any shape of these triangles.
+  TriangleFinder(std::span<const std::uint32_t> order, std::span<const Complex> vertices,
+                 std::span<const Triangle> triangles)
+      : order_(order), vertices_(vertices), triangles_(triangles) {}
+
+  // What Locate finds.
+  std::optional<Located> At(Complex p, double tolerance = kLocateTolerance);
+  // The lowest triangle that has the vertex, or kNone.
+  std::uint32_t Of(std::uint32_t vertex);
+
+  const TriangleBoxes& boxes();
+
+ private:
+  const std::span<const std::uint32_t> order_;
+  const std::span<const Complex> vertices_;
+  const std::span<const Triangle> triangles_;
+  std::optional<TriangleBoxes> boxes_;
+  std::vector<std::uint32_t> first_triangle_;  // #V
+};
+
 }  // namespace arap

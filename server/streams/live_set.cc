@@ -1,14 +1,15 @@
 #include "server/streams/live_set.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <utility>
 #include <variant>
 
 #include "arap/core/cost.h"
+#include "arap/core/pick.h"
 #include "core/base/try.h"
 #include "core/mesh/locate.h"
 #include "server/runtime/clock.h"
@@ -24,36 +25,6 @@ Corners CornersOf(std::span<const Complex> points, const Triangle& triangle) {
   return {points[triangle[0]], points[triangle[1]], points[triangle[2]]};
 }
 
-// The first triangle that has the vertex; none for an unreferenced one.
-std::optional<std::size_t> TriangleAt(const PlanarMesh& mesh, std::uint32_t vertex) {
-  const auto found = std::find_if(
-      mesh.triangles.begin(), mesh.triangles.end(),
-      [&](const Triangle& t) { return std::find(t.begin(), t.end(), vertex) != t.end(); });
-  if (found == mesh.triangles.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - mesh.triangles.begin());
-}
-
-// The triangle that the core finds for the point; the wider tolerance is for points on the
-// boundary.
-std::optional<std::size_t> TriangleAt(const PlanarMesh& mesh, Complex point) {
-  for (const double tolerance : {1e-9, 1e-4}) {
-    if (const auto found = Locate(mesh.vertices, mesh.triangles, point, tolerance)) {
-      return found->triangle;
-    }
-  }
-  return std::nullopt;
-}
-
-std::optional<std::size_t> TriangleOf(const PlanarMesh& mesh, const PlacedHandle& handle) {
-  if (const auto* vertex = std::get_if<VertexAnchor>(&handle.handle.anchor)) {
-    return TriangleAt(mesh, vertex->vertex);
-  }
-  if (const auto* triangle = std::get_if<TriangleAnchor>(&handle.handle.anchor)) {
-    return triangle->triangle;
-  }
-  return TriangleAt(mesh, handle.rest);
-}
-
 // The a of the similarity z → a z + b that maps `rest` to `now` best.
 Complex Similarity(const Corners& rest, const Corners& now) {
   const Complex rest_middle = (rest[0] + rest[1] + rest[2]) / 3.0;
@@ -67,11 +38,9 @@ Complex Similarity(const Corners& rest, const Corners& now) {
   return product / norm;
 }
 
-}  // namespace
-
+// Of a handle on this triangle.
 Target PoseOf(const PlanarMesh& mesh, const PlacedHandle& handle,
-              std::span<const Complex> positions) {
-  const auto triangle = TriangleOf(mesh, handle);
+              std::optional<std::uint32_t> triangle, std::span<const Complex> positions) {
   if (!triangle) return {handle.rest, 0, 1};
   const Corners rest = CornersOf(mesh.vertices, mesh.triangles[*triangle]);
   const Corners now = CornersOf(positions, mesh.triangles[*triangle]);
@@ -90,6 +59,19 @@ Target PoseOf(const PlanarMesh& mesh, const PlacedHandle& handle,
     pose.scale = scale;
   }
   return pose;
+}
+
+}  // namespace
+
+std::vector<Target> PosesOf(const RegisteredMesh& mesh, std::span<const PlacedHandle> handles,
+                            std::span<const Complex> positions) {
+  const auto triangles = TrianglesUnder(mesh, handles);
+  std::vector<Target> poses;
+  poses.reserve(handles.size());
+  for (std::size_t i = 0; i < handles.size(); ++i) {
+    poses.push_back(PoseOf(mesh.mesh(), handles[i], triangles[i], positions));
+  }
+  return poses;
 }
 
 LiveSet::LiveSet(HandleSetEntry entry, std::size_t lanes)
@@ -130,11 +112,12 @@ Result<EditedSet> LiveSet::Edited(const std::vector<std::string>& remove,
   const std::vector<PlacedHandle>& placed = edited.set.entry().handles->handles();
   const std::size_t kept = placed.size() - add.size();
   edited.targets.reserve(placed.size());
-  for (std::size_t i = 0; i < placed.size(); ++i) {
-    const auto same = i < kept ? before.Find(placed[i].handle.id) : std::nullopt;
-    edited.targets.push_back(
-        same ? targets[*same] : PoseOf(before.mesh()->mesh(), placed[i], deformer_.positions()));
+  for (std::size_t i = 0; i < kept; ++i) {
+    edited.targets.push_back(targets[*before.Find(placed[i].handle.id)]);
   }
+  const auto added =
+      PosesOf(*before.mesh(), std::span(placed).subspan(kept), deformer_.positions());
+  edited.targets.insert(edited.targets.end(), added.begin(), added.end());
   TRY(edited.quality, edited.set.deformer_.Update(edited.targets, options, cancel));
   metrics.Phase(runtime::Phase::kEdit, working.Micros() * 1e-6);
   return edited;

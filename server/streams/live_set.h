@@ -61,11 +61,11 @@ struct EditedSet {
   ShapeQuality quality;
 };
 
-// The target that leaves the shape as it is: the handle's rest point carried along by `positions`
-// (#V), and the rotation and scale of its triangle. Where triangles overlap at rest, the handle's
-// own anchor decides, for anchors by point the lowest index. O(#F) for anchors by vertex and by
-// point.
-Target PoseOf(const PlanarMesh& mesh, const PlacedHandle& handle,
-              std::span<const Complex> positions);
+// For each handle the target that leaves the shape as it is: its rest point carried along by
+// `positions` (#V), and the rotation and scale of its triangle. Where triangles overlap at rest, the
+// handle's own anchor decides, for anchors by point the lowest index. O(#F) for all together, once
+// for anchors by vertex and once for those by point, and O(log #F) for each.
+std::vector<Target> PosesOf(const RegisteredMesh& mesh, std::span<const PlacedHandle> handles,
+                            std::span<const Complex> positions);
 
 }  // namespace arap::app

@@ -1,5 +1,11 @@
 #include "core/mesh/locate.h"
 
+#include <algorithm>
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "core/base/plane.h"
@@ -44,6 +50,44 @@ TEST(PlaneTest, FindsTheLowestTriangleAndTheNearestBoundary) {
     }
   }
   EXPECT_EQ(corner->triangle, lowest);
+}
+
+// Two grids over one another, so that most points lie in two triangles.
+TEST(LocateTest, AFinderFindsWhatALookAtEveryTriangleFinds) {
+  PlanarMesh mesh = JitteredGrid(12, 9, 7);
+  const PlanarMesh over = Moved(mesh, std::polar(0.7, 0.4), {0.1, 0.2});
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), over.vertices.begin(), over.vertices.end());
+  for (const Triangle& t : over.triangles) {
+    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  // The upper one first here and there.
+  const auto upper = static_cast<std::ptrdiff_t>(mesh.triangles.size() / 3 * 2);
+  std::reverse(mesh.triangles.begin(), mesh.triangles.begin() + upper);
+
+  const auto order = NearbyOrder(mesh.vertices, mesh.triangles);
+  TriangleFinder finder(order, mesh.vertices, mesh.triangles);
+  std::vector<Complex> points(mesh.vertices);
+  for (const Triangle& t : mesh.triangles) {
+    const Complex a = mesh.vertices[t[0]], b = mesh.vertices[t[1]], c = mesh.vertices[t[2]];
+    points.insert(points.end(),
+                  {(a + b) / 2.0, (a + b + c) / 3.0, a + 1.00002 * (b - a), 2.0 * a - b});
+  }
+  for (const double tolerance : {kLocateTolerance, 1e-4}) {
+    for (const Complex p : points) {
+      const auto wanted = Locate(mesh.vertices, mesh.triangles, p, tolerance);
+      const auto found = finder.At(p, tolerance);
+      ASSERT_EQ(found.has_value(), wanted.has_value()) << p;
+      if (!found) continue;
+      EXPECT_EQ(found->triangle, wanted->triangle) << p;
+      EXPECT_EQ(found->barycentric, wanted->barycentric) << p;
+    }
+  }
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+    const auto has = [&](const Triangle& t) { return std::find(t.begin(), t.end(), v) != t.end(); };
+    const auto at = std::find_if(mesh.triangles.begin(), mesh.triangles.end(), has);
+    EXPECT_EQ(finder.Of(v), static_cast<std::uint32_t>(at - mesh.triangles.begin()));
+  }
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 #include "server/streams/live_set.h"
 
 #include <complex>
+#include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,10 +20,13 @@ using testing::Square;
 
 Handle AtVertex(const std::string& id, std::uint32_t vertex) { return {id, VertexAnchor{vertex}}; }
 
-PlacedHandle Placed(const Handle& handle) {
-  const auto set = CompiledHandles::Compile(*RegisteredMesh::Register(Square(), {}), {handle});
-  EXPECT_TRUE(set);
-  return (*set)->handles().front();
+std::shared_ptr<const CompiledHandles> Compiled(const PlanarMesh& mesh,
+                                                const std::vector<Handle>& handles) {
+  return *CompiledHandles::Compile(*RegisteredMesh::Register(mesh, {}), handles);
+}
+
+std::vector<Target> Poses(const CompiledHandles& set, std::span<const Complex> positions) {
+  return PosesOf(*set.mesh(), set.handles(), positions);
 }
 
 TEST(PoseTest, EveryKindOfAnchorFollowsTheShape) {
@@ -38,18 +43,20 @@ TEST(PoseTest, EveryKindOfAnchorFollowsTheShape) {
   Handle snapped = AtVertex("n", 0);
   snapped.anchor = PointAnchor{{0.3, -7}};
   snapped.outside = Outside::kSnap;
-  for (const Handle& handle : {AtVertex("v", 2), point, in_triangle, snapped}) {
-    const PlacedHandle placed = Placed(handle);
-    const Target pose = PoseOf(Square(), placed, now);
-    EXPECT_LT(std::abs(pose.position - (a * placed.rest + b)), 1e-9) << handle.id;
-    EXPECT_NEAR(pose.angle, std::arg(a), 1e-9) << handle.id;
-    EXPECT_NEAR(pose.scale, 2, 1e-9) << handle.id;
+  const auto set = Compiled(Square(), {AtVertex("v", 2), point, in_triangle, snapped});
+  const auto poses = Poses(*set, now);
+  ASSERT_EQ(poses.size(), 4u);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const PlacedHandle& placed = set->handles()[i];
+    EXPECT_LT(std::abs(poses[i].position - (a * placed.rest + b)), 1e-9) << placed.handle.id;
+    EXPECT_NEAR(poses[i].angle, std::arg(a), 1e-9) << placed.handle.id;
+    EXPECT_NEAR(poses[i].scale, 2, 1e-9) << placed.handle.id;
   }
 }
 
 TEST(PoseTest, CollapsedTriangleGivesNoRotation) {
   const std::vector<Complex> now(4, Complex(3, 3));
-  const Target pose = PoseOf(Square(), Placed(AtVertex("v", 1)), now);
+  const Target pose = Poses(*Compiled(Square(), {AtVertex("v", 1)}), now).front();
   EXPECT_EQ(pose.position, Complex(3, 3));
   EXPECT_EQ(pose.angle, 0);
   EXPECT_EQ(pose.scale, 1);

@@ -23,6 +23,12 @@ std::span<const double> VertexDepths(const CompiledHandles& handles);
 // their own order. Empty when no handle has a depth. O(#F log #F).
 std::vector<std::uint32_t> DrawOrder(const CompiledHandles& handles);
 
+// The triangles on which handles sit at rest: for an anchor by vertex the lowest that has it, for one
+// by point the lowest that holds its rest; nothing for a vertex without a triangle. O(#F) for all
+// together, once for anchors by vertex and once for those by point, and O(log #F) for each.
+std::vector<std::optional<std::uint32_t>> TrianglesUnder(const RegisteredMesh& mesh,
+                                                         std::span<const PlacedHandle> handles);
+
 // Where the points are on the mesh at rest: for each the triangle of `positions` (#V, units of the
 // mesh, as Deformer::positions() gives them) that holds it, its edges included, and where the point
 // was at rest; nothing when none does. Where triangles overlap the one with the highest depth at the
