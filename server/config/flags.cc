@@ -49,6 +49,13 @@ void AddConnections(CLI::App& app, Config& config) {
       ->capture_default_str()
       ->check(CLI::Range(1.0, 1e6))
       ->group(kLimitGroup);
+  app.add_option(
+         "--max-unknown-calls", bounds.unknown_calls,
+         "Calls that are not let in, of one connection, before it is cut and its address is "
+         "on probation; 0: neither")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1e9))
+      ->group(kLimitGroup);
   app.add_option("--max-receiving-bytes", bounds.receiving_bytes,
                  "Bytes of all requests that have begun and are not complete")
       ->capture_default_str()

@@ -27,6 +27,11 @@ using std::chrono::steady_clock;
 // Connections of one listener before the others have their turn.
 constexpr int kTurn = 64;
 constexpr int kLater = 20;  // milliseconds
+// Connections of addresses on probation that wait for being let in: in all, of one address, and how
+// often it is asked for them.
+constexpr std::size_t kMostWaiting = 64;
+constexpr std::ptrdiff_t kMostWaitingOfOne = 16;
+constexpr milliseconds kAskAgain{50};
 
 Descriptor Spare() { return Descriptor(open("/dev/null", O_RDONLY | O_CLOEXEC)); }
 
@@ -54,6 +59,14 @@ bool Await(int descriptor, short events, steady_clock::time_point end) {
     if (ready > 0) return true;
     if (ready < 0 && errno != EINTR) return false;
   }
+}
+
+// Whether the other end of a TCP connection is still there.
+bool IsOpen(const Descriptor& connection) {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  return getsockopt(connection.number(), IPPROTO_TCP, TCP_INFO, &info, &size) == 0 &&
+         info.tcpi_state == TCP_ESTABLISHED;
 }
 
 // Where a client of this machine connects to for this listener.
@@ -114,7 +127,9 @@ void Acceptor::Run() {
   auto swept = steady_clock::now();
   while (!stopped_) {
     const milliseconds pause = connections_.Pause();
-    poll(waits.data(), waits.size(), static_cast<int>(pause.count()));
+    const milliseconds wait = waiting_.empty() ? pause : std::min(pause, kAskAgain);
+    poll(waits.data(), waits.size(), static_cast<int>(wait.count()));
+    AskForWaiting();
     for (std::size_t i = 0; i < listeners.size() && !stopped_; ++i) {
       if (waits[i + 1].revents != 0) AcceptAll(*listeners[i].first, *listeners[i].second);
     }
@@ -163,24 +178,48 @@ void Acceptor::RefuseOne(const Descriptor& listener) {
 }
 
 void Acceptor::AcceptAll(const Entrance& entrance, const Descriptor& listener) {
-  using Answer = rpc::Connections::Answer;
   for (int i = 0; i < kTurn; ++i) {
     sockaddr_storage peer{};
     const int accepted = AcceptOne(listener, peer);
     if (accepted < 0) return;
-    const Answer answer = connections_.Admit(accepted, peer);
-    if (answer != Answer::kWelcome) {
-      close(accepted);
-      metrics_.Rejected(answer == Answer::kFull ? "max_connections"
-                                                : "max_connections_per_address");
-      continue;
-    }
-    const int yes = 1;
-    if (peer.ss_family != AF_UNIX) {
-      setsockopt(accepted, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-    }
-    entrance.hand_over(accepted);
+    Receive({&entrance, Descriptor(accepted), peer});
   }
+}
+
+void Acceptor::Receive(Arrival arrival) {
+  using Answer = rpc::Connections::Answer;
+  switch (connections_.Admit(arrival.socket.number(), arrival.peer)) {
+    case Answer::kWelcome:
+      break;
+    case Answer::kLater:
+      if (MayWait(arrival)) return waiting_.push_back(std::move(arrival));
+      return metrics_.Rejected("address_on_probation");
+    case Answer::kGreedy:
+      return metrics_.Rejected("address_on_probation");
+    case Answer::kFull:
+      return metrics_.Rejected("max_connections");
+    case Answer::kAddressFull:
+      return metrics_.Rejected("max_connections_per_address");
+  }
+  const int yes = 1;
+  if (arrival.peer.ss_family != AF_UNIX) {
+    setsockopt(arrival.socket.number(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+  }
+  arrival.entrance->hand_over(arrival.socket.Release());
+}
+
+void Acceptor::AskForWaiting() {
+  for (Arrival& arrival : std::exchange(waiting_, {})) {
+    if (IsOpen(arrival.socket)) Receive(std::move(arrival));
+  }
+}
+
+bool Acceptor::MayWait(const Arrival& arrival) const {
+  if (waiting_.size() >= kMostWaiting) return false;
+  const std::string address = rpc::AddressOf(arrival.peer);
+  return std::count_if(waiting_.begin(), waiting_.end(), [&](const Arrival& other) {
+           return rpc::AddressOf(other.peer) == address;
+         }) < kMostWaitingOfOne;
 }
 
 bool Acceptor::IsOurs(const sockaddr_storage& peer, unsigned size) {

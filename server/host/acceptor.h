@@ -12,6 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include <sys/socket.h>
+
 #include "arap/base/result.h"
 #include "core/base/mutex.h"
 #include "server/host/listen.h"
@@ -52,6 +54,17 @@ class Acceptor {
   int AcceptOne(const Descriptor& listener, sockaddr_storage& peer);
   // When no connection can be had: sends one away.
   void RefuseOne(const Descriptor& listener);
+  // A connection that is not in yet.
+  struct Arrival {
+    const Entrance* entrance = nullptr;
+    Descriptor socket;
+    sockaddr_storage peer{};
+  };
+  // Hands it over, keeps it waiting or sends it away.
+  void Receive(Arrival arrival);
+  // Asks again for those that wait, in the order in which they came.
+  void AskForWaiting();
+  bool MayWait(const Arrival& arrival) const;
   Status DialOne(const Descriptor& listener, const std::string& address,
                  std::chrono::steady_clock::time_point end);
   // Whether Dial made the connection, by the name of its other end.
@@ -62,6 +75,7 @@ class Acceptor {
   runtime::Metrics& metrics_;
   Descriptor wake_;     // readable when it is to stop
   Descriptor reserve_;  // given up to accept, and refuse, when there are no descriptors left
+  std::vector<Arrival> waiting_;  // of addresses on probation; of the thread that accepts
   Mutex mutex_;
   std::set<std::string> dialled_ ABSL_GUARDED_BY(mutex_);  // names of our own sockets
   std::atomic<bool> stopped_{false};

@@ -39,7 +39,9 @@ constexpr std::size_t kReserve = 256;
 // that other bounds come first.
 constexpr std::size_t kGrpcBytes = std::size_t{1} << 30u;
 constexpr int kReflectionThreads = 16;
-constexpr int kMostCallsPerConnection = 1'024;
+// All streams that an owner may have, and calls beside them. What a stranger may begin before we see
+// the first of it.
+constexpr int kMostCallsPerConnection = 320;
 constexpr int kMostHeaderBytes = 16 * 1'024;
 constexpr int kHandshakeMs = 10'000;
 // Streams are asked to move at most_age and have so long before their connection is closed.
@@ -144,7 +146,8 @@ Host::Host(const HostOptions& options, std::shared_ptr<const runtime::Clock> clo
         [this] { return static_cast<double>(connections_.count()); });
   watch(runtime::metric::kConnectionsCut, runtime::Metrics::Kind::kCounter,
         [this] { return static_cast<double>(connections_.cut()); });
-  for (const char* quota : {"max_connections", "max_connections_per_address", "descriptors"}) {
+  for (const char* quota :
+       {"max_connections", "max_connections_per_address", "descriptors", "address_on_probation"}) {
     engine_.metrics.ServeQuota(quota);
   }
 }

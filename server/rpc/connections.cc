@@ -20,6 +20,14 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kCalm{1'000};
 constexpr milliseconds kBusy{20};
+constexpr milliseconds kWatchful{50};
+constexpr std::size_t kLooksPerMillisecond = 10;
+
+// What a stranger of an address on probation may do, as a part of what others may.
+constexpr std::size_t kProbationPart = 16;
+// What may wait in the kernel for being read, of such a stranger and of one who is known then.
+constexpr int kSlowBuffer = 4 << 10;
+constexpr int kQuickBuffer = 1 << 20;
 
 // 0 for what is no socket.
 std::uint64_t CookieOf(int descriptor) {
@@ -39,13 +47,25 @@ std::uint64_t BytesOf(int descriptor) {
                                                                           : 0;
 }
 
-// Shuts the socket of that cookie down. The descriptor may be another's by now, so a copy, which
-// nobody else closes, is looked at.
-void ShutDown(int descriptor, std::uint64_t cookie) {
+// Does something with the socket of that cookie. The descriptor may be another's by now, so a copy,
+// which nobody else closes, is looked at.
+template <class Work>
+void WithSocket(int descriptor, std::uint64_t cookie, const Work& work) {
   const int copy = dup(descriptor);
   if (copy < 0) return;
-  if (CookieOf(copy) == cookie) shutdown(copy, SHUT_RDWR);
+  if (CookieOf(copy) == cookie) work(copy);
   close(copy);
+}
+
+void ShutDown(int socket) {
+  shutdown(socket, SHUT_RDWR);
+  // What is here already would still be read, thousands of calls perhaps.
+  while (recv(socket, nullptr, std::size_t{1} << 20u, MSG_TRUNC | MSG_DONTWAIT) > 0) {
+  }
+}
+
+void SetBuffer(int socket, int bytes) {
+  setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
 }
 
 // An IPv4 address that came in on a socket of both families is one.
@@ -97,34 +117,83 @@ std::string AddressOf(const sockaddr_storage& peer) {
 
 Connections::Answer Connections::Admit(int descriptor, const sockaddr_storage& peer) {
   const MutexLock lock(&mutex_);
-  Connection connection{descriptor, CookieOf(descriptor), AddressOf(peer), clock_.SteadyNow()};
+  const auto now = clock_.SteadyNow();
+  const std::string address = AddressOf(peer);
+  const bool slow = !address.empty() && probation_.IsOn(address, now);
+  if (slow) {
+    SetBuffer(descriptor, kSlowBuffer);
+    if (BytesOf(descriptor) > bounds_.unknown_bytes / kProbationPart) return Answer::kGreedy;
+    if (!probation_.LetIn(address, now)) return Answer::kLater;
+  }
+  const auto calls = static_cast<double>(bounds_.unknown_calls);
+  Connection connection{.descriptor = descriptor,
+                        .cookie = CookieOf(descriptor),
+                        .address = address,
+                        .since = now,
+                        .strange = {bounds_.unknown_calls_per_second, calls, now},
+                        .known = address.empty(),
+                        .slow = slow};
   if (IsFull() || IsFull(connection.address)) ForgetClosed();
   if (IsFull(connection.address) && !MakeRoom(connection.address)) return Answer::kAddressFull;
   if (IsFull() && !MakeRoom({})) return Answer::kFull;
   // Peers of unix sockets have no names.
   const std::string name =
       connection.address.empty() ? "unix:" + std::to_string(connection.cookie) : PeerName(peer);
-  connection.known = connection.address.empty();
   if (const auto old = connections_.find(name); old != connections_.end()) Forget(old);
   ++by_address_[connection.address];
+  if (!connection.known) ++strangers_;
   connections_.emplace(name, std::move(connection));
   return Answer::kWelcome;
 }
 
 void Connections::Known(std::string_view peer) {
   const MutexLock lock(&mutex_);
-  if (const auto found = connections_.find(peer); found != connections_.end()) {
-    found->second.known = true;
+  const auto found = connections_.find(peer);
+  if (found == connections_.end()) return;
+  Connection& connection = found->second;
+  connection.strange.Fill();
+  connection.strange_calls = 0;
+  if (!std::exchange(connection.known, true)) --strangers_;
+  if (std::exchange(connection.slow, false)) {
+    WithSocket(connection.descriptor, connection.cookie,
+               [](int socket) { SetBuffer(socket, kQuickBuffer); });
   }
 }
 
-std::shared_ptr<const void> Connections::Begin(std::string_view peer) {
+std::shared_ptr<const void> Connections::Begin(std::string_view peer, bool let_in) {
   const MutexLock lock(&mutex_);
   const auto found = connections_.find(peer);
   if (found == connections_.end()) return nullptr;
-  const auto calls = found->second.calls;
-  if (++*calls > bounds_.most_calls) Cut(found);
-  return {calls.get(), [calls](const void*) { --*calls; }};
+  Connection& connection = found->second;
+  const std::shared_ptr<Calls> calls = connection.calls;
+  if (let_in) ++calls->let_in;
+  const bool counts = !let_in && bounds_.unknown_calls > 0;
+  const bool within = !counts || MayCall(connection);
+  if (++calls->all > bounds_.most_calls) {
+    connection.known ? Cut(found) : CutStranger(found);
+  } else if (calls->let_in == 0 && (!within || !MayStay(connection))) {
+    CutStranger(found);
+  }
+  return {calls.get(), [calls, let_in](const void*) {
+            if (let_in) --calls->let_in;
+            --calls->all;
+          }};
+}
+
+std::size_t Connections::PartOf(const Connection& connection) const {
+  const bool less = !connection.known && probation_.IsOn(connection.address, clock_.SteadyNow());
+  return less ? kProbationPart : 1;
+}
+
+bool Connections::MayCall(Connection& stranger) const {
+  return stranger.strange.Take(clock_.SteadyNow()) &&
+         (++stranger.strange_calls <= bounds_.unknown_calls / kProbationPart ||
+          PartOf(stranger) == 1);
+}
+
+bool Connections::MayStay(const Connection& connection) const {
+  return connection.known || bounds_.unknown_calls == 0 ||
+         BytesOf(connection.descriptor) <= bounds_.unknown_bytes / PartOf(connection);
 }
 
 Result<Connections::Entry> Connections::Receive(std::string_view peer, Told late) {
@@ -179,13 +248,21 @@ void Connections::EndReceiving(const Watched& watched, std::size_t bytes) {
 Connections::Table::iterator Connections::Forget(Table::iterator connection) {
   const auto counted = by_address_.find(connection->second.address);
   if (counted != by_address_.end() && --counted->second == 0) by_address_.erase(counted);
+  if (!connection->second.known) --strangers_;
   return connections_.erase(connection);
 }
 
 Connections::Table::iterator Connections::Cut(Table::iterator connection) {
-  ShutDown(connection->second.descriptor, connection->second.cookie);
+  WithSocket(connection->second.descriptor, connection->second.cookie, ShutDown);
   ++cut_;
   return Forget(connection);
+}
+
+Connections::Table::iterator Connections::CutStranger(Table::iterator connection) {
+  if (!connection->second.address.empty()) {
+    probation_.Offended(connection->second.address, clock_.SteadyNow());
+  }
+  return Cut(connection);
 }
 
 void Connections::ForgetClosed() {
@@ -236,12 +313,28 @@ void Connections::CutGreedy() {
   std::sort(holders.begin(), holders.end(),
             [](const Holder& a, const Holder& b) { return a.bytes > b.bytes; });
   for (const Holder& holder : holders) {
-    const bool unknown = !holder.connection->second.known;
-    const bool greedy = all > bounds_.receiving_bytes;
-    if (!greedy && !(unknown && holder.bytes > bounds_.unknown_bytes)) continue;
+    if (all <= bounds_.receiving_bytes) return;
     all -= holder.bytes;
     Cut(holder.connection);
   }
+}
+
+void Connections::LookAround() {
+  const auto now = clock_.SteadyNow();
+  if (now < next_look_) return;
+  next_look_ = now + LookPause();
+  ForgetClosed();
+  if (strangers_ == 0) return;
+  for (auto at = connections_.begin(); at != connections_.end();) {
+    const Connection& connection = at->second;
+    const bool silent = !connection.known && now - connection.since > bounds_.unknown_time;
+    at = silent ? Cut(at) : MayStay(connection) ? std::next(at) : CutStranger(at);
+  }
+}
+
+milliseconds Connections::LookPause() const {
+  const milliseconds all(connections_.size() / kLooksPerMillisecond);
+  return std::clamp(all, kWatchful, kCalm);
 }
 
 void Connections::Sweep() {
@@ -249,11 +342,7 @@ void Connections::Sweep() {
   {
     const MutexLock lock(&mutex_);
     const auto now = clock_.SteadyNow();
-    ForgetClosed();
-    for (auto at = connections_.begin(); at != connections_.end();) {
-      const bool silent = !at->second.known && now - at->second.since > bounds_.unknown_time;
-      at = silent ? Cut(at) : std::next(at);
-    }
+    LookAround();
     CutGreedy();
     for (auto at = watched_.begin(); at != watched_.end();) {
       if (at->second.end > now) {
@@ -273,7 +362,8 @@ void Connections::Sweep() {
 
 milliseconds Connections::Pause() const {
   const MutexLock lock(&mutex_);
-  return receiving_ > 0 ? kBusy : kCalm;
+  if (receiving_ > 0) return kBusy;
+  return strangers_ > 0 ? LookPause() : kCalm;
 }
 
 std::size_t Connections::count() const {

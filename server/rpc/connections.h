@@ -17,6 +17,7 @@
 
 #include "arap/base/result.h"
 #include "core/base/mutex.h"
+#include "server/rpc/probation.h"
 #include "server/runtime/clock.h"
 
 struct sockaddr_storage;
@@ -28,7 +29,15 @@ struct ConnectionBounds {
   std::size_t most_per_address = 1'000;  // of one IPv4 address or one IPv6 network of 64 bits
   // What a connection may do before a call on it was let in: live for so long, and send so much.
   std::chrono::milliseconds unknown_time = std::chrono::seconds(60);
-  std::size_t unknown_bytes = 1u << 20u;
+  std::size_t unknown_bytes = 256u << 10u;
+  // Calls that are not let in, of one connection: so many, and so many more a second. Who makes more
+  // is cut, as is who sends too much, and the address is on probation: until so long after the last
+  // such offence so many connections of it come in each second, and those that are not known may do
+  // a sixteenth. 0 calls: neither calls nor bytes are counted, and nobody is on probation.
+  std::size_t unknown_calls = 128;
+  double unknown_calls_per_second = 16;
+  std::chrono::milliseconds probation = std::chrono::seconds(30);
+  double probation_connections_per_second = 10;
   // Calls of one connection that have begun and not ended. HTTP/2 bounds those that are open, but
   // not those that a client has reset and that nobody has cleared away yet.
   std::size_t most_calls = 2'048;
@@ -49,19 +58,25 @@ class Connections {
 
   // `clock` outlives it.
   Connections(const ConnectionBounds& bounds, const runtime::Clock& clock)
-      : bounds_(bounds), clock_(clock) {}
+      : bounds_(bounds),
+        clock_(clock),
+        probation_(bounds.probation, bounds.probation_connections_per_second) {}
 
-  enum class Answer { kWelcome, kFull, kAddressFull };
+  // kLater: its address is on probation, ask again in a moment. kGreedy: it is, and the connection
+  // has sent too much already.
+  enum class Answer { kWelcome, kLater, kGreedy, kFull, kAddressFull };
   // Whether the new connection may come in. Where there are too many, the oldest on which nobody
   // was let in yet makes room.
   Answer Admit(int descriptor, const sockaddr_storage& peer);
 
-  // A call on the connection of this peer, as gRPC names it ("ipv4:10.0.0.1:5555"), was let in.
+  // A call on the connection of this peer, as gRPC names it ("ipv4:10.0.0.1:5555"), was let in: what
+  // was refused before is forgiven.
   void Known(std::string_view peer);
 
-  // A call of this peer begins; it ends when the answer goes. A connection with more than most_calls
-  // is cut.
-  std::shared_ptr<const void> Begin(std::string_view peer);
+  // A call of this peer begins, which was let in or not; it ends when the answer goes. A connection
+  // with more than most_calls is cut, and one that makes too many that are not let in, unless one
+  // that was is still open.
+  std::shared_ptr<const void> Begin(std::string_view peer, bool let_in);
 
   // Ends what it began when it goes. An empty one is nothing. Move-only.
   class Entry {
@@ -98,7 +113,7 @@ class Connections {
   // Forgets connections that are over, cuts those that break the bounds, tells who is late or old.
   // To be called every Pause().
   void Sweep();
-  // Short while requests come in.
+  // Short while requests come in, or somebody is connected who is not known.
   std::chrono::milliseconds Pause() const;
 
   std::size_t count() const;
@@ -106,13 +121,20 @@ class Connections {
   std::uint64_t cut() const;
 
  private:
+  // That have begun and not ended.
+  struct Calls {
+    std::atomic<std::size_t> all = 0, let_in = 0;
+  };
   struct Connection {
     int descriptor = -1;
     std::uint64_t cookie = 0;  // the kernel's name of the socket
     std::string address;       // what is counted by; empty: a unix socket
     runtime::Clock::Steady since;
+    app::TokenBucket strange;       // for calls that are not let in
+    std::size_t strange_calls = 0;  // since the last one that was
     bool known = false;
-    std::shared_ptr<std::atomic<std::size_t>> calls = std::make_shared<std::atomic<std::size_t>>();
+    bool slow = false;  // little of what it sends is taken from the network at a time
+    std::shared_ptr<Calls> calls = std::make_shared<Calls>();
     // Of the requests that come in now: how many, the bytes of the socket when the first of them
     // began, and the bytes of those that are complete.
     std::size_t receiving = 0;
@@ -134,10 +156,23 @@ class Connections {
   Table::iterator Forget(Table::iterator connection) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Ends the connection and forgets it.
   Table::iterator Cut(Table::iterator connection) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // The same of one whose stranger asked for too much.
+  Table::iterator CutStranger(Table::iterator connection) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // By how much less a connection may do because of its address, which may be on probation only
+  // since it came.
+  std::size_t PartOf(const Connection& connection) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Whether one more call that is not let in may be made on it; it counts.
+  bool MayCall(Connection& stranger) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Whether one that is unknown has not sent too much.
+  bool MayStay(const Connection& connection) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Forgets those that are over and cuts strangers: not every time, since the kernel is asked for
+  // each.
+  void LookAround() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  std::chrono::milliseconds LookPause() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void ForgetClosed() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Cuts the oldest unknown one, of the address unless it is empty: whether there was one.
   bool MakeRoom(const std::string& address) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  // Cuts what holds too much of requests that are not complete.
+  // Cuts what holds the most of requests that are not complete while these are too much.
   void CutGreedy() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool IsFull() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool IsFull(const std::string& address) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -147,6 +182,9 @@ class Connections {
   mutable Mutex mutex_;
   Table connections_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, std::size_t> by_address_ ABSL_GUARDED_BY(mutex_);
+  std::size_t strangers_ ABSL_GUARDED_BY(mutex_) = 0;  // connections that are not known
+  Probation probation_ ABSL_GUARDED_BY(mutex_);
+  runtime::Clock::Steady next_look_ ABSL_GUARDED_BY(mutex_);
   std::map<std::uint64_t, Watched> watched_ ABSL_GUARDED_BY(mutex_);
   std::size_t receiving_ ABSL_GUARDED_BY(mutex_) = 0;
   std::uint64_t next_id_ ABSL_GUARDED_BY(mutex_) = 1;

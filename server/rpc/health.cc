@@ -27,7 +27,7 @@ class Health::Reactor final : public grpc::ServerBidiReactor<Request, Response>,
 
   void Start(const std::string& peer) {
     self_ = shared_from_this();
-    counted_ = health_.connections_.Begin(peer);
+    counted_ = health_.connections_.Begin(peer, false);
     auto receiving =
         health_.connections_.Receive(peer, [weak = weak_from_this()](const Fault& late) {
           if (const auto self = weak.lock()) self->End(late);

@@ -38,7 +38,7 @@ class UnknownMethods final : public grpc::CallbackGenericService {
 
   grpc::ServerGenericBidiReactor* CreateReactor(
       grpc::GenericCallbackServerContext* context) override {
-    return new Reactor(connections_.Begin(context->peer()));
+    return new Reactor(connections_.Begin(context->peer(), false));
   }
 
  private:

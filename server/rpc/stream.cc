@@ -96,7 +96,8 @@ class StreamReactor final
   // delivered, and OnDone not called, before the RPC's method has returned.
   void Start(const Identity& identity, const Status& admitted) {
     self_ = shared_from_this();
-    if (identity.connections != nullptr) counted_ = identity.connections->Begin(context_->peer());
+    if (identity.connections != nullptr)
+      counted_ = identity.connections->Begin(context_->peer(), admitted.has_value());
     const Status added = admitted ? engine_.streams.Add(self_, caller_) : admitted;
     {
       const MutexLock lock(&mutex_);

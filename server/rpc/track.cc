@@ -58,7 +58,8 @@ class TrackReactor final
   void Start(const grpc::CallbackServerContext& context, const Identity& identity,
              const Status& admitted) {
     self_ = shared_from_this();
-    if (identity.connections != nullptr) counted_ = identity.connections->Begin(context.peer());
+    if (identity.connections != nullptr)
+      counted_ = identity.connections->Begin(context.peer(), admitted.has_value());
     Status added = admitted ? engine_.streams.Add(self_, caller_) : admitted;
     if (added && identity.connections != nullptr) {
       auto receiving =

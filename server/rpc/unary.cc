@@ -32,9 +32,11 @@ class UnaryReactor final : public UnaryStream, public std::enable_shared_from_th
     log_.Named(*context);
   }
 
-  void Start(const Identity& identity, const std::string& peer, Result<app::Caller> caller) {
+  // `let_in`: whether the caller is known, without whom an open method is served too.
+  void Start(const Identity& identity, const std::string& peer, bool let_in,
+             Result<app::Caller> caller) {
     self_ = shared_from_this();
-    if (identity.connections != nullptr) counted_ = identity.connections->Begin(peer);
+    if (identity.connections != nullptr) counted_ = identity.connections->Begin(peer, let_in);
     if (!caller) return End(Fail(std::move(caller.error())));
     call_.caller = *std::move(caller);
     log_.Owner(call_.caller.owner);
@@ -195,12 +197,13 @@ Result<std::shared_ptr<app::Session>> SessionOf(app::Engine& engine, const Call&
 UnaryStream* RunUnary(const Backend& backend, const Method& method,
                       grpc::CallbackServerContext* context, std::unique_ptr<UnaryJob> job) {
   auto caller = CallerOf(*context, backend.identity);
+  const bool let_in = caller.has_value();
   // To those who are refused elsewhere, an open method answers as to nobody.
   if (!caller && method.open_to_all) {
     caller = app::Caller{app::kNobody, app::Role::kUser, backend.identity.limits};
   }
   const auto reactor = std::make_shared<UnaryReactor>(backend, method, context, std::move(job));
-  reactor->Start(backend.identity, context->peer(), std::move(caller));
+  reactor->Start(backend.identity, context->peer(), let_in, std::move(caller));
   return reactor.get();
 }
 

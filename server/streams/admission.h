@@ -115,25 +115,29 @@ class StreamPace {
   std::size_t updates_ = 0;
 };
 
-// So many a second, after a burst of as many. Not thread-safe.
+// So many a second, after a burst. Not thread-safe.
 class TokenBucket {
  public:
-  // A rate of 0 or less grants everything.
-  TokenBucket(double rate, runtime::Clock::Steady now)
-      : rate_(rate), tokens_(std::max(rate, 1.0)), last_(now) {}
+  // A burst of as many as come in a second. A rate of 0 or less grants everything.
+  TokenBucket(double rate, runtime::Clock::Steady now) : TokenBucket(rate, rate, now) {}
+  TokenBucket(double rate, double burst, runtime::Clock::Steady now)
+      : rate_(rate), burst_(std::max(burst, 1.0)), tokens_(burst_), last_(now) {}
 
   bool Take(runtime::Clock::Steady now) {
     if (rate_ <= 0) return true;
     tokens_ += rate_ * std::chrono::duration<double>(now - last_).count();
-    tokens_ = std::min(tokens_, std::max(rate_, 1.0));
+    tokens_ = std::min(tokens_, burst_);
     last_ = now;
     if (tokens_ < 1) return false;
     --tokens_;
     return true;
   }
+  // The burst is there again.
+  void Fill() { tokens_ = burst_; }
 
  private:
   double rate_;
+  double burst_;
   double tokens_;
   runtime::Clock::Steady last_;
 };

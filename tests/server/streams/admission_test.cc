@@ -108,6 +108,19 @@ TEST(StreamPaceTest, LearnsWhatItsFramesTake) {
   EXPECT_EQ(pace.Share(), 0) << "they are jobs";
 }
 
+TEST(TokenBucketTest, GrantsABurstOfAnotherSize) {
+  auto now = Admission::Time();
+  TokenBucket bucket(2, 3, now);
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(bucket.Take(now));
+  EXPECT_FALSE(bucket.Take(now));
+  now += std::chrono::milliseconds(500);
+  EXPECT_TRUE(bucket.Take(now));
+  EXPECT_FALSE(bucket.Take(now));
+  bucket.Fill();
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(bucket.Take(now));
+  EXPECT_FALSE(bucket.Take(now));
+}
+
 TEST(TokenBucketTest, GrantsABurstThenTheRate) {
   runtime::Clock::Steady now{seconds(5)};
   TokenBucket bucket(10, now);

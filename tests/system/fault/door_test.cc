@@ -123,6 +123,50 @@ TEST(DoorTest, NobodyIsListenedToBeforeTheirNameIsKnown) {
   }
 }
 
+// Whoever goes on calling after being refused is let go, without harm to others of the address.
+TEST(DoorTest, StrangersWhoGoOnAndOnAreCut) {
+  const wire::SecretFolder secrets;
+  const wire::TestToken alice('a', "alice");
+  secrets.PutTokens({alice.Entry()});
+  for (const char* path :
+       {kRegister, "/arap.v1.DeformationService/StreamDeform",
+        "/arap.v1.DeformationService/DeformTrack", "/arap.v1.ServerService/GetServerInfo",
+        "/grpc.health.v1.Health/Watch", "/no/method"}) {
+    SCOPED_TRACE(path);
+    ServerProcess server({"--token-file", secrets.tokens()});
+    ASSERT_TRUE(server.Start());
+    const std::string admin = server.ReadLine("arapd admin on ", kPatience).value_or("");
+    FaultClient early(server.address(), alice.Text());
+    ASSERT_TRUE(early.CreateSession("s").ok());
+    RawPeer peer(server.address());
+    ASSERT_TRUE(peer.Send(http2::Preface()));
+    for (std::uint32_t stream = 1; stream < 2'000; stream += 2) {
+      if (!peer.Send(http2::OpenCall(stream, path))) break;
+    }
+    EXPECT_TRUE(peer.IsClosed());
+    EXPECT_EQ(Metric(admin, "arapd_connections_cut_total"), 1);
+    EXPECT_TRUE(early.CreateSession("t").ok());
+    FaultClient late(server.address(), alice.Text());
+    for (int i = 0; i < 20; ++i) EXPECT_TRUE(late.CreateSession("u").ok());
+    EXPECT_TRUE(FaultClient(server.address()).Info().ok());
+    EXPECT_EQ(wire::HttpGet(admin, "/readyz").status, 200);
+  }
+}
+
+// What gRPC answers itself, before we hear of a call, counts by its bytes.
+TEST(DoorTest, StrangersWhoSayNothingThatWeHearAreCut) {
+  ServerProcess server;
+  ASSERT_TRUE(server.Start());
+  RawPeer peer(server.address());
+  ASSERT_TRUE(peer.Send(http2::Preface()));
+  const std::string nothing = http2::Frame(http2::kWindowUpdate, 0, 0, std::string("\0\0\0\1", 4));
+  std::string many;
+  for (int i = 0; i < 1'000; ++i) many += nothing;
+  for (int i = 0; i < 100 && peer.Send(many); ++i) {
+  }
+  EXPECT_TRUE(peer.IsClosed());
+}
+
 TEST(DoorTest, ARequestThatDoesNotArriveEnds) {
   ServerProcess server({"--receiving-seconds", "0.2"});
   ASSERT_TRUE(server.Start());
@@ -208,12 +252,15 @@ TEST(DoorTest, SlowReadersOfTheAdminPageAreInNobodysWay) {
 TEST(DoorTest, WatchersOfHealthAreCounted) {
   ServerProcess server({"--drain-seconds", "0.5"});
   ASSERT_TRUE(server.Start());
-  RawPeer peer(server.address());
-  ASSERT_TRUE(peer.Send(http2::Preface()));
   const std::size_t before = server.ResidentBytes();
-  for (std::uint32_t stream = 1; stream < 2'000; stream += 2) {
-    ASSERT_TRUE(peer.Send(http2::OpenCall(stream, "/grpc.health.v1.Health/Watch")));
-    ASSERT_TRUE(peer.Send(http2::Message(stream, 0, "")));
+  std::vector<RawPeer> peers;
+  for (int i = 0; i < 10; ++i) {
+    RawPeer& peer = peers.emplace_back(server.address());
+    ASSERT_TRUE(peer.Send(http2::Preface()));
+    for (std::uint32_t stream = 1; stream < 200; stream += 2) {
+      ASSERT_TRUE(peer.Send(http2::OpenCall(stream, "/grpc.health.v1.Health/Watch")));
+      ASSERT_TRUE(peer.Send(http2::Message(stream, 0, "")));
+    }
   }
   EXPECT_TRUE(FaultClient(server.address()).Info().ok());
   EXPECT_LT(server.ResidentBytes(), before + Megabytes(32));

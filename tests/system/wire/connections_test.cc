@@ -46,6 +46,28 @@ class ConnectionsTest : public ::testing::Test {
     far_.emplace_back(ends[1]);
     return connections_->Admit(ends[0], Peer(address, port));
   }
+  // The same over TCP, whose bytes are counted.
+  Answer ComeByTcp(const char* address, int port) {
+    const Descriptor listener(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    sockaddr_storage own = Peer("127.0.0.1", 0);
+    socklen_t size = sizeof(sockaddr_in);
+    auto* const name = reinterpret_cast<sockaddr*>(&own);
+    EXPECT_EQ(bind(listener.number(), name, size), 0);
+    EXPECT_EQ(listen(listener.number(), 1), 0);
+    EXPECT_EQ(getsockname(listener.number(), name, &size), 0);
+    far_.emplace_back(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    EXPECT_EQ(connect(far_.back().number(), name, size), 0);
+    near_.emplace_back(accept4(listener.number(), nullptr, nullptr, SOCK_CLOEXEC));
+    return connections_->Admit(near_.back().number(), Peer(address, port));
+  }
+  void Send(std::size_t i, std::size_t bytes) {
+    const std::string zeros(bytes, '\0');
+    EXPECT_EQ(send(far_[i].number(), zeros.data(), bytes, MSG_NOSIGNAL), ssize_t(bytes));
+  }
+  // Calls of strangers, one after the other.
+  void CallAsStranger(const char* peer, int calls) {
+    for (int i = 0; i < calls; ++i) connections_->Begin(peer, false);
+  }
   bool IsCut(std::size_t i) const {
     char byte = 0;
     return recv(far_[i].number(), &byte, 1, 0) == 0;
@@ -126,14 +148,102 @@ TEST_F(ConnectionsTest, WhoeverIsLateIsToldOnce) {
 TEST_F(ConnectionsTest, CallsThatDoNotEndAsFastAsTheyBeginEndTheirConnection) {
   Start({.most_calls = 2});
   Come("10.0.0.1", 1);
-  auto first = connections_->Begin("ipv4:10.0.0.1:1");
-  auto second = connections_->Begin("ipv4:10.0.0.1:1");
+  auto first = connections_->Begin("ipv4:10.0.0.1:1", true);
+  auto second = connections_->Begin("ipv4:10.0.0.1:1", true);
   first.reset();
-  auto third = connections_->Begin("ipv4:10.0.0.1:1");
+  auto third = connections_->Begin("ipv4:10.0.0.1:1", true);
   EXPECT_FALSE(IsCut(0));
-  const auto fourth = connections_->Begin("ipv4:10.0.0.1:1");
+  const auto fourth = connections_->Begin("ipv4:10.0.0.1:1", true);
   EXPECT_TRUE(IsCut(0));
-  EXPECT_FALSE(connections_->Begin("ipv4:10.0.0.1:1")) << "it is gone";
+  EXPECT_FALSE(connections_->Begin("ipv4:10.0.0.1:1", true)) << "it is gone";
+}
+
+TEST_F(ConnectionsTest, WhoIsRefusedTooOftenIsCut) {
+  Start({.unknown_calls = 32, .unknown_calls_per_second = 4});
+  Come("10.0.0.1", 1);
+  CallAsStranger("ipv4:10.0.0.1:1", 32);
+  clock_.Advance(seconds(2));
+  CallAsStranger("ipv4:10.0.0.1:1", 8);
+  EXPECT_FALSE(IsCut(0)) << "as many more come with time";
+  CallAsStranger("ipv4:10.0.0.1:1", 1);
+  EXPECT_TRUE(IsCut(0));
+  EXPECT_EQ(connections_->cut(), 1u);
+}
+
+TEST_F(ConnectionsTest, WhatWasRefusedIsForgivenToWhomeverIsLetIn) {
+  Start({.unknown_calls = 32, .unknown_calls_per_second = 1});
+  Come("10.0.0.1", 1);
+  for (int round = 0; round < 10; ++round) {
+    CallAsStranger("ipv4:10.0.0.1:1", 32);
+    connections_->Known("ipv4:10.0.0.1:1");
+  }
+  // Many come through one gateway: strangers do not end the calls of the others.
+  auto open = connections_->Begin("ipv4:10.0.0.1:1", true);
+  CallAsStranger("ipv4:10.0.0.1:1", 1'000);
+  EXPECT_FALSE(IsCut(0));
+  open.reset();
+  CallAsStranger("ipv4:10.0.0.1:1", 1);
+  EXPECT_TRUE(IsCut(0));
+}
+
+TEST_F(ConnectionsTest, AnAddressWhoseStrangersWereCutIsOnProbation) {
+  Start({.unknown_calls = 32,
+         .unknown_calls_per_second = 1,
+         .probation = seconds(30),
+         .probation_connections_per_second = 2});
+  Come("10.0.0.1", 1);
+  Come("10.0.0.1", 2);
+  connections_->Known("ipv4:10.0.0.1:2");
+  Come("10.0.0.1", 3);
+  CallAsStranger("ipv4:10.0.0.1:3", 2);
+  Come("10.0.0.1", 4);
+  CallAsStranger("ipv4:10.0.0.1:4", 33);
+  EXPECT_TRUE(IsCut(3));
+  EXPECT_FALSE(IsCut(1)) << "it is known";
+  CallAsStranger("ipv4:10.0.0.1:2", 32);
+  EXPECT_FALSE(IsCut(1)) << "as before";
+  EXPECT_FALSE(IsCut(2)) << "it has asked for little";
+  CallAsStranger("ipv4:10.0.0.1:3", 1);
+  EXPECT_TRUE(IsCut(2)) << "a sixteenth is allowed now";
+
+  EXPECT_EQ(Come("10.0.0.1", 5), Answer::kWelcome);
+  EXPECT_EQ(Come("10.0.0.1", 6), Answer::kWelcome);
+  EXPECT_EQ(Come("10.0.0.1", 7), Answer::kLater);
+  EXPECT_EQ(Come("10.0.0.2", 1), Answer::kWelcome) << "it is another address";
+  clock_.Advance(std::chrono::milliseconds(500));
+  EXPECT_EQ(Come("10.0.0.1", 7), Answer::kWelcome);
+  EXPECT_EQ(Come("10.0.0.1", 8), Answer::kLater);
+  clock_.Advance(seconds(30));
+  for (int port = 10; port < 20; ++port) EXPECT_EQ(Come("10.0.0.1", port), Answer::kWelcome);
+}
+
+TEST_F(ConnectionsTest, WhoSendsTooMuchBeforeTheyAreKnownIsCut) {
+  Start({.unknown_bytes = 64'000});
+  EXPECT_EQ(ComeByTcp("10.0.0.1", 1), Answer::kWelcome);
+  EXPECT_EQ(ComeByTcp("10.0.0.2", 1), Answer::kWelcome);
+  connections_->Known("ipv4:10.0.0.2:1");
+  EXPECT_EQ(ComeByTcp("10.0.0.3", 1), Answer::kWelcome);
+  Send(0, 64'001);
+  Send(1, 64'001);
+  Send(2, 64'000);
+  connections_->Sweep();
+  EXPECT_TRUE(IsCut(0));
+  EXPECT_EQ(connections_->count(), 2u);
+  char byte = 0;
+  EXPECT_EQ(recv(near_[0].number(), &byte, 1, MSG_DONTWAIT), 0) << "it is not to be read any more";
+  // The next one of this address may send a sixteenth before it is let in.
+  EXPECT_EQ(ComeByTcp("10.0.0.1", 2), Answer::kWelcome);
+  Send(3, 4'001);
+  EXPECT_EQ(connections_->Admit(near_[3].number(), Peer("10.0.0.1", 3)), Answer::kGreedy);
+}
+
+TEST_F(ConnectionsTest, LooksOftenWhileStrangersAreIn) {
+  Start({});
+  EXPECT_EQ(connections_->Pause(), seconds(1));
+  Come("10.0.0.1", 1);
+  EXPECT_LT(connections_->Pause(), std::chrono::milliseconds(100));
+  connections_->Known("ipv4:10.0.0.1:1");
+  EXPECT_EQ(connections_->Pause(), seconds(1));
 }
 
 TEST_F(ConnectionsTest, OldConnectionsAreLeft) {
@@ -159,6 +269,15 @@ class AcceptorTest : public FolderTest {
     auto listening = host::Listening::Open(address, host::kForCalls, mode);
     EXPECT_TRUE(listening) << listening.error().message;
     return *std::move(listening);
+  }
+  // A stranger of this machine who is cut.
+  static void Offend(Connections& connections) {
+    int ends[2];
+    ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends), 0);
+    const Descriptor near(ends[0]), far(ends[1]);
+    ASSERT_EQ(connections.Admit(near.number(), Peer("127.0.0.1", 1)), Answer::kWelcome);
+    for (int i = 0; i < 2; ++i) connections.Begin("ipv4:127.0.0.1:1", false);
+    ASSERT_EQ(connections.cut(), 1u);
   }
   std::string Socket() const { return "unix:" + Path("s"); }
   // To "127.0.0.1:PORT".
@@ -200,6 +319,38 @@ TEST_F(AcceptorTest, KnocksAtItsOwnDoorsAndHearsWhenNobodyOpens) {
   EXPECT_FALSE(acceptor.Dial(std::chrono::milliseconds(100)));
   opened.set_value();
   EXPECT_TRUE(acceptor.Dial(testing::kLongest));
+}
+
+TEST_F(AcceptorTest, ConnectionsOfAnAddressOnProbationWaitForTheirTurn) {
+  runtime::FakeClock clock;
+  runtime::Metrics metrics;
+  Connections connections(
+      {.unknown_calls = 1, .unknown_calls_per_second = 1e-9, .probation_connections_per_second = 1},
+      clock);
+  Offend(connections);
+  std::vector<Descriptor> in;
+  std::atomic<std::size_t> count = 0;
+  std::vector<host::Acceptor::Entrance> entrances;
+  host::Listening listening = Open("127.0.0.1:0");
+  const std::string address = listening.address();
+  entrances.push_back({std::move(listening), [&](int taken) {
+                         in.emplace_back(taken);
+                         ++count;
+                       }});
+  host::Acceptor acceptor(std::move(entrances), connections, metrics);
+  std::vector<Descriptor> peers;
+  for (int i = 0; i < 40; ++i) peers.push_back(Connect(address));
+  EXPECT_TRUE(testing::Await("the first", [&] { return count == 1; }));
+  // Some wait, the others are sent away.
+  EXPECT_TRUE(testing::Await("those beyond the places", [&] {
+    return metrics.Text().find("{quota=\"address_on_probation\"} 23") != std::string::npos;
+  }));
+  EXPECT_EQ(count, 1u);
+  for (std::size_t i = 2; i <= 17; ++i) {
+    clock.Advance(seconds(1));
+    EXPECT_TRUE(testing::Await("the next", [&] { return count == i; }));
+  }
+  acceptor.Stop();
 }
 
 TEST_F(AcceptorTest, ASocketOfAnotherServerIsLeftInPlace) {
