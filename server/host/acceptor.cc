@@ -27,6 +27,9 @@ using std::chrono::steady_clock;
 // Connections of one listener before the others have their turn.
 constexpr int kTurn = 64;
 constexpr int kLater = 20;  // milliseconds
+// Connections that were cut are closed by gRPC a little later: so long their descriptors are waited
+// for before anybody is sent away.
+constexpr milliseconds kDescriptorsPatience{500};
 // Connections of addresses on probation that wait for being let in: in all, of one address, and how
 // often it is asked for them.
 constexpr std::size_t kMostWaiting = 64;
@@ -146,6 +149,7 @@ int Acceptor::AcceptOne(const Descriptor& listener, sockaddr_storage& peer) {
     const int accepted = accept4(listener.number(), reinterpret_cast<sockaddr*>(&peer), &size,
                                  SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (accepted >= 0) {
+      short_since_.reset();
       if (!IsOurs(peer, size)) return accepted;
       close(accepted);
       continue;
@@ -158,10 +162,16 @@ int Acceptor::AcceptOne(const Descriptor& listener, sockaddr_storage& peer) {
       case EAGAIN:
         return -1;
       default:
-        RefuseOne(listener);
+        NoDescriptor(listener);
         return -1;
     }
   }
+}
+
+void Acceptor::NoDescriptor(const Descriptor& listener) {
+  const auto now = steady_clock::now();
+  if (!short_since_) short_since_ = now;
+  now - *short_since_ < kDescriptorsPatience ? WaitALittle() : RefuseOne(listener);
 }
 
 void Acceptor::RefuseOne(const Descriptor& listener) {
@@ -170,11 +180,15 @@ void Acceptor::RefuseOne(const Descriptor& listener) {
   reserve_ = Descriptor();
   if (const Descriptor refused(accept4(listener.number(), nullptr, nullptr, SOCK_CLOEXEC));
       refused.number() < 0) {
-    // Nothing helps, and the listener goes on being ready: look again a little later.
-    pollfd wait{wake_.number(), POLLIN, 0};
-    poll(&wait, 1, kLater);
+    // Nothing helps, and the listener goes on being ready.
+    WaitALittle();
   }
   reserve_ = Spare();
+}
+
+void Acceptor::WaitALittle() {
+  pollfd wait{wake_.number(), POLLIN, 0};
+  poll(&wait, 1, kLater);
 }
 
 void Acceptor::AcceptAll(const Entrance& entrance, const Descriptor& listener) {

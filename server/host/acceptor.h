@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -52,8 +53,11 @@ class Acceptor {
   void AcceptAll(const Entrance& entrance, const Descriptor& listener);
   // One connection of the listener, -1 when there is none.
   int AcceptOne(const Descriptor& listener, sockaddr_storage& peer);
-  // When no connection can be had: sends one away.
+  // When no connection can be had: waits a little, and when that has not helped sends one away.
+  void NoDescriptor(const Descriptor& listener);
   void RefuseOne(const Descriptor& listener);
+  // Until it is to stop, at most.
+  void WaitALittle();
   // A connection that is not in yet.
   struct Arrival {
     const Entrance* entrance = nullptr;
@@ -75,6 +79,8 @@ class Acceptor {
   runtime::Metrics& metrics_;
   Descriptor wake_;     // readable when it is to stop
   Descriptor reserve_;  // given up to accept, and refuse, when there are no descriptors left
+  // Since when there are none; of the thread that accepts.
+  std::optional<std::chrono::steady_clock::time_point> short_since_;
   std::vector<Arrival> waiting_;  // of addresses on probation; of the thread that accepts
   Mutex mutex_;
   std::set<std::string> dialled_ ABSL_GUARDED_BY(mutex_);  // names of our own sockets
