@@ -147,7 +147,14 @@ Status CompiledHandles::CheckHard(std::span<const Target> targets) const {
 bool CompiledHandles::direct() const { return parts_->responses == nullptr; }
 
 std::size_t CompiledHandles::bytes() const {
+  constexpr std::size_t kBlock = 16;  // of the allocator, beside what was asked for
+  std::size_t ids = 0;
+  for (const PlacedHandle& h : parts_->handles) {
+    const std::size_t length = h.handle.id.capacity();
+    ids += length > std::string().capacity() ? length + kBlock : 0;
+  }
   return parts_->solver->bytes() + parts_->rows.size() * sizeof(Row) + parts_->index.bytes() +
+         parts_->handles.size() * sizeof(PlacedHandle) + ids +
          parts_->depths.size() * sizeof(double);
 }
 

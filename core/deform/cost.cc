@@ -70,7 +70,9 @@ Cost CostOfRows(const RegisteredMesh& mesh, const RowCount& rows, std::size_t so
   Cost cost;
   cost.milliseconds = 0.1 + kBoxTriangle * size.triangles + kRow * static_cast<double>(rows.rows) +
                       kDepthVertex * size.vertices * static_cast<double>(rows.depths);
-  double bytes = static_cast<double>(rows.rows) * 2 * sizeof(Row);
+  // A handle has one row at least, and an id.
+  constexpr std::size_t kHandle = sizeof(PlacedHandle) + 160;
+  double bytes = static_cast<double>(rows.rows) * (2 * sizeof(Row) + kHandle);
   if (rows.depths > 0) bytes += 8 * size.vertices;
   if (factors) {
     const auto k = static_cast<double>(rows.inside);

@@ -143,7 +143,7 @@ void Session::RemoveEndListener(std::uint64_t id) {
 
 std::size_t BytesOf(const store::SessionRecord& record) {
   constexpr std::size_t kEntry = 256;  // a node of a map with its names
-  constexpr std::size_t kId = 64;      // of a handle
+  constexpr std::size_t kId = 96;      // of a handle: most are shorter, and looking at each is dear
   std::size_t bytes = kEntry * (1 + record.meshes.size() + record.handle_sets.size());
   for (const auto& [id, set] : record.handle_sets) {
     bytes += set.definitions->size() * (sizeof(Handle) + kId);

@@ -88,6 +88,18 @@ TEST(CostTest, CoversTheMemoryThatIsKept) {
   }
 }
 
+TEST(CostTest, CountsTheHandlesAndTheirIds) {
+  const PlanarMesh mesh = JitteredGrid(10, 10, 2);
+  const auto registered = Register(mesh);
+  auto handles = RandomHandles(mesh, 100, 3);
+  const std::size_t plain = Compile(registered, handles)->bytes();
+  EXPECT_GT(plain, handles.size() * sizeof(PlacedHandle));
+  for (Handle& handle : handles) handle.id.insert(0, 100, 'n');
+  const auto set = Compile(registered, handles);
+  EXPECT_GE(set->bytes(), plain + 100 * handles.size());
+  EXPECT_GE(EstimateCompilation(*registered, CountRows(*set)).bytes, set->bytes());
+}
+
 TEST(CostTest, GrowsWithEverythingThatIsAskedFor) {
   const PlanarMesh mesh = JitteredGrid(30, 30, 2);
   const auto registered = Register(mesh);
