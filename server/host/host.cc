@@ -47,8 +47,11 @@ constexpr int kHandshakeMs = 10'000;
 // Streams are asked to move at most_age and have so long before their connection is closed.
 constexpr std::chrono::milliseconds kMoving = std::chrono::seconds(30);
 
-// As many as there are descriptors for.
-rpc::ConnectionBounds Bounded(rpc::ConnectionBounds bounds) {
+// As many as there are descriptors for, and no more of half requests than a quarter of the memory, if
+// two of the largest fit into that.
+rpc::ConnectionBounds Bounded(rpc::ConnectionBounds bounds, const Limits& limits) {
+  bounds.receiving_bytes = std::min(bounds.receiving_bytes,
+                                    std::max(limits.max_bytes / 4, 2 * limits.max_message_bytes));
   rlimit files{};
   getrlimit(RLIMIT_NOFILE, &files);
   const std::size_t all = files.rlim_cur;
@@ -123,13 +126,17 @@ Host::Host(const HostOptions& options, std::shared_ptr<const runtime::Clock> clo
       credentials_(std::move(credentials)),
       engine_(options.limits, options.lanes, *clock_, std::move(stores)),
       readiness_(options.stuck_after, *clock_),
-      connections_(Bounded(options.connections), *clock_),
+      connections_(Bounded(options.connections, options.limits), *clock_),
       identity_(credentials_->identity()),
       services_(rpc::MakeServices(engine_, identity_)),
       health_(ServiceNames(), connections_),
       unknown_methods_(rpc::MakeUnknownMethods(connections_)),
       on_deaf_(options.on_deaf) {
   identity_.connections = &connections_;
+  connections_.OnReceiving([this](std::size_t bytes) {
+    half_requests_.Release();
+    half_requests_ = engine_.derived.Hold({}, bytes);
+  });
   services_.push_back(health_.MakeService({engine_, identity_}));
   // Jobs may take long.
   for (const runtime::WorkerPool* lane : {&engine_.interactive, &engine_.control}) {

@@ -112,6 +112,7 @@ class Host {
   app::Engine engine_;
   Readiness readiness_;
   rpc::Connections connections_;
+  app::DerivedCache::Reservation half_requests_;  // that come in; of the thread that accepts
   rpc::Identity identity_;
   std::vector<rpc::NamedService> services_;
   rpc::Health health_;

@@ -22,6 +22,7 @@ constexpr milliseconds kCalm{1'000};
 constexpr milliseconds kBusy{20};
 constexpr milliseconds kWatchful{50};
 constexpr std::size_t kLooksPerMillisecond = 10;
+constexpr std::size_t kReceivingStep = 4u << 20u;
 
 // What a stranger of an address on probation may do, as a part of what others may.
 constexpr std::size_t kProbationPart = 16;
@@ -313,10 +314,18 @@ void Connections::CutGreedy() {
   std::sort(holders.begin(), holders.end(),
             [](const Holder& a, const Holder& b) { return a.bytes > b.bytes; });
   for (const Holder& holder : holders) {
-    if (all <= bounds_.receiving_bytes) return;
+    if (all <= bounds_.receiving_bytes) break;
     all -= holder.bytes;
     Cut(holder.connection);
   }
+  TellReceiving(all);
+}
+
+void Connections::TellReceiving(std::size_t bytes) {
+  // In whole steps, so that small requests change nothing.
+  const std::size_t whole = bytes / kReceivingStep * kReceivingStep;
+  if (whole == std::exchange(told_receiving_, whole) || !on_receiving_) return;
+  on_receiving_(whole);
 }
 
 void Connections::LookAround() {

@@ -62,6 +62,10 @@ class Connections {
         clock_(clock),
         probation_(bounds.probation, bounds.probation_connections_per_second) {}
 
+  // `told` hears how much is held of requests that come in, when that has changed by much: in the
+  // thread that sweeps; it must not call back. Before the first connection.
+  void OnReceiving(std::function<void(std::size_t bytes)> told) { on_receiving_ = std::move(told); }
+
   // kLater: its address is on probation, ask again in a moment. kGreedy: it is, and the connection
   // has sent too much already.
   enum class Answer { kWelcome, kLater, kGreedy, kFull, kAddressFull };
@@ -174,11 +178,13 @@ class Connections {
   bool MakeRoom(const std::string& address) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Cuts what holds the most of requests that are not complete while these are too much.
   void CutGreedy() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void TellReceiving(std::size_t bytes) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool IsFull() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool IsFull(const std::string& address) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const ConnectionBounds bounds_;
   const runtime::Clock& clock_;
+  std::function<void(std::size_t)> on_receiving_;
   mutable Mutex mutex_;
   Table connections_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, std::size_t> by_address_ ABSL_GUARDED_BY(mutex_);
@@ -187,6 +193,7 @@ class Connections {
   runtime::Clock::Steady next_look_ ABSL_GUARDED_BY(mutex_);
   std::map<std::uint64_t, Watched> watched_ ABSL_GUARDED_BY(mutex_);
   std::size_t receiving_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::size_t told_receiving_ ABSL_GUARDED_BY(mutex_) = 0;  // bytes
   std::uint64_t next_id_ ABSL_GUARDED_BY(mutex_) = 1;
   std::uint64_t cut_ ABSL_GUARDED_BY(mutex_) = 0;
   std::chrono::steady_clock::time_point looked_ ABSL_GUARDED_BY(mutex_);

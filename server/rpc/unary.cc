@@ -62,7 +62,8 @@ class UnaryReactor final : public UnaryStream, public std::enable_shared_from_th
       const Status alive = call_.cancel.Check();
       return End(alive ? Fail(FaultKind::kCancelled, "The call ended without a request.") : alive);
     }
-    if (auto room = MakeRoom(size); !room) return End(room);
+    // Taking it apart makes another one of the same size, before the bytes go.
+    if (auto room = MakeRoom(size > kSmall ? 2 * size : size); !room) return End(room);
     if (method_.gate != nullptr) {
       auto pass = method_.gate->Enter(call_.caller.owner);
       if (!pass) return End(Fail(WithOutlook(std::move(pass.error()), engine_.jobs)));

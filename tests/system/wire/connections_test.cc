@@ -1,6 +1,7 @@
 // Who may be connected, on real sockets and a clock of the test's.
 #include "server/rpc/connections.h"
 
+#include <array>
 #include <atomic>
 #include <filesystem>
 #include <future>
@@ -235,6 +236,31 @@ TEST_F(ConnectionsTest, WhoSendsTooMuchBeforeTheyAreKnownIsCut) {
   EXPECT_EQ(ComeByTcp("10.0.0.1", 2), Answer::kWelcome);
   Send(3, 4'001);
   EXPECT_EQ(connections_->Admit(near_[3].number(), Peer("10.0.0.1", 3)), Answer::kGreedy);
+}
+
+TEST_F(ConnectionsTest, SaysHowMuchItHoldsOfHalfRequests) {
+  Start({});
+  std::vector<std::size_t> told;
+  connections_->OnReceiving([&](std::size_t bytes) { told.push_back(bytes); });
+  EXPECT_EQ(ComeByTcp("10.0.0.1", 1), Answer::kWelcome);
+  connections_->Known("ipv4:10.0.0.1:1");
+  auto request = connections_->Receive("ipv4:10.0.0.1:1", [](const Fault&) {});
+  ASSERT_TRUE(request);
+  Send(0, 1'000);
+  connections_->Sweep();
+  EXPECT_TRUE(told.empty()) << "it is little";
+  std::size_t sent = 1'000;
+  while (sent < (std::size_t{9} << 20u)) {
+    Send(0, 4'096);
+    sent += 4'096;
+    std::array<char, 4'096> here{};
+    EXPECT_GT(recv(near_[0].number(), here.data(), here.size(), 0), 0);
+  }
+  connections_->Sweep();
+  EXPECT_EQ(told, std::vector<std::size_t>{std::size_t{8} << 20u});
+  request->Received(sent);
+  connections_->Sweep();
+  EXPECT_EQ(told.back(), 0u);
 }
 
 TEST_F(ConnectionsTest, LooksOftenWhileStrangersAreIn) {
