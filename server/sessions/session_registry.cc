@@ -247,13 +247,15 @@ Result<SessionPage> SessionRegistry::List(const std::string& owner, std::size_t 
     page.next_token = records.back().key.id;
   }
   const auto now = time_.Now();
-  for (const store::SessionRecord& record : records) {
+  const auto wall = clock_.WallNow();
+  for (store::SessionRecord& record : records) {
     const Found session = InMemory(record.key);
     const auto expires = record.expires - kStoredLonger / 2;
     if (session ? session->expired() : now >= expires) continue;
-    SessionView view = ViewOf(record, expires);
-    if (session) view.expires = session->View().expires;
-    page.sessions.push_back(std::move(view));
+    // A page may have 16,000 labels, which are not to be copied more often than they must.
+    auto labels = std::exchange(record.labels, {});
+    page.sessions.push_back(ViewOf(record, session ? session->ExpiryAt(wall) : expires));
+    page.sessions.back().spec.labels = std::move(labels);
   }
   return page;
 }
