@@ -31,7 +31,11 @@ namespace {
 constexpr int kMinPingIntervalMs = 1'000;
 constexpr std::chrono::milliseconds kHealthPeriod = std::chrono::seconds(1);
 constexpr std::chrono::milliseconds kDialPatience = std::chrono::seconds(2);
+// Memory goes back to the system so often, and as soon as so much more of it is held than is
+// accounted for, and so much more than after the last time.
 constexpr std::size_t kTrimEvery = 10;  // sweeps
+constexpr double kLoose = 96e6;
+constexpr double kMoreLoose = 32e6;
 
 // Descriptors for everything but connections: store, logs, libraries, files of the moment.
 constexpr std::size_t kReserve = 256;
@@ -220,9 +224,7 @@ void Host::Dial() {
 }
 
 void Host::Sweep() {
-  // What a flood or an eviction has freed goes back to the system: by itself the allocator keeps
-  // the most that each of its arenas ever held.
-  if (++sweeps_ % kTrimEvery == 0) malloc_trim(0);
+  TrimMemory();
   const Status swept = engine_.Sweep();
   if (swept && sweep_failed_) spdlog::info("event=sweeping_again");
   if (!swept && !sweep_failed_) {
@@ -230,6 +232,15 @@ void Host::Sweep() {
                  swept.error().message);
   }
   sweep_failed_ = !swept;
+}
+
+void Host::TrimMemory() {
+  const double resident = runtime::ResidentBytes();
+  const auto accounted = static_cast<double>(engine_.derived.bytes());
+  const bool loose = resident > accounted + kLoose && resident > trimmed_to_ + kMoreLoose;
+  if (++sweeps_ % kTrimEvery != 0 && !loose) return;
+  malloc_trim(0);
+  trimmed_to_ = runtime::ResidentBytes();
 }
 
 void Host::LogWeaknesses() {

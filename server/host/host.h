@@ -83,6 +83,9 @@ class Host {
 
   // Asks the store and the lanes, and tells grpc.health. Happens by itself every second.
   // Each when it is seen first, and again when it has gone.
+  // Gives back what a flood or an eviction has freed: by itself the allocator keeps the most that
+  // each of its arenas ever held.
+  void TrimMemory();
   void LogWeaknesses() ABSL_EXCLUSIVE_LOCKS_REQUIRED(health_mutex_);
   void RefreshHealth();
 
@@ -129,6 +132,7 @@ class Host {
   std::unique_ptr<runtime::Ticker> dial_ticker_;
   // Of the thread that sweeps.
   std::size_t sweeps_ = 0;
+  double trimmed_to_ = 0;  // resident bytes after memory was given back
   bool sweep_failed_ = false;
   bool sweeping_ = false;
   std::unique_ptr<runtime::Ticker> sweep_ticker_;

@@ -101,13 +101,6 @@ prometheus::MetricFamily Read(const Watched& watched) {
   return family;
 }
 
-double ResidentBytes() {
-  std::ifstream statm("/proc/self/statm");
-  double size = 0, resident = 0;
-  statm >> size >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
-
 double OpenDescriptors() {
   double count = -1;  // the one that reads the directory
   std::error_code error;
@@ -297,6 +290,13 @@ std::string Metrics::Text() const {
     for (const Watched& watched : impl_->watched) families.push_back(Read(watched));
   }
   return prometheus::TextSerializer().Serialize(families);
+}
+
+double ResidentBytes() {
+  std::ifstream statm("/proc/self/statm");
+  double size = 0, resident = 0;
+  statm >> size >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
 void WatchProcess(Metrics& metrics) {

@@ -163,5 +163,7 @@ class Metrics {
 // Serves memory, descriptors, processor time, threads and start of this process, under the names
 // that Prometheus gives them everywhere (process_…).
 void WatchProcess(Metrics& metrics);
+// Memory of this process that is there.
+double ResidentBytes();
 
 }  // namespace arap::runtime
