@@ -18,15 +18,15 @@ class Probation {
  public:
   using Time = runtime::Clock::Steady;
 
-  // An address is on probation for `length` after its last offence; then `rate` connections of it
-  // come in each second, after a burst of as many.
+  // An address is on probation for `length` after its last offence; until then `rate` connections
+  // of it come in each second, two of them at once.
   Probation(std::chrono::milliseconds length, double rate) : length_(length), rate_(rate) {}
 
   // A stranger of this address asked for too much.
   void Offended(const std::string& address, Time now) {
     if (on_.size() >= kMost && !on_.contains(address)) ForgetOne();
-    on_.try_emplace(address, Address{now, app::TokenBucket(rate_, now)}).first->second.end =
-        now + length_;
+    on_.try_emplace(address, Address{now, app::TokenBucket(rate_, kAtOnce, now)})
+        .first->second.end = now + length_;
   }
 
   bool IsOn(const std::string& address, Time now) const {
@@ -47,6 +47,7 @@ class Probation {
   // Beyond this the one that has the least time left goes: an attacker of many addresses must not
   // fill the memory.
   static constexpr std::size_t kMost = 4'096;
+  static constexpr double kAtOnce = 2;
 
   struct Address {
     Time end;
