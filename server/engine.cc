@@ -89,6 +89,7 @@ Engine::Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::
     : Workshop(the_limits, the_clock, std::move(the_stores)),
       lanes(the_lanes),
       surfaces(derived, metrics, {limits.max_vertices, limits.max_triangles}),
+      flatten_jobs(*this, jobs),
       streams(limits.max_streams),
       admission(limits.max_stream_load, static_cast<double>(lanes.workers)),
       registrations("max_registrations", limits.max_registrations),

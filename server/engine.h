@@ -7,6 +7,7 @@
 
 #include "arap/model/limits.h"
 #include "server/budget/gate.h"
+#include "server/flattening/flatten_jobs.h"
 #include "server/flattening/prepared_surfaces.h"
 #include "server/runtime/clock.h"
 #include "server/runtime/worker_pool.h"
@@ -47,6 +48,7 @@ struct Engine : Workshop {
 
   const Lanes lanes;
   PreparedSurfaces surfaces;
+  FlattenJobs flatten_jobs;
   OpenStreams streams;
   Admission admission;
   Gate registrations;

@@ -312,6 +312,15 @@ ServerInfo FromWire(const v1::GetServerInfoResponse& response) {
   return out;
 }
 
+void ToWire(const SurfaceMesh& mesh, const FlattenQuery& query, v1::FlattenRequest* out) {
+  convert::ToWire(mesh, out->mutable_mesh());
+  convert::ToWire(query.options, out);
+  out->set_surface_key(query.surface_key);
+  out->set_include_first_step(query.first_step);
+  out->set_include_singular_values(query.singular_values);
+  out->set_float64(query.float64);
+}
+
 Result<FlatSurface> FromWire(const v1::FlattenResponse& response, const SurfaceMesh& mesh,
                              const FlattenQuery& query) {
   const bool other = query.float64 ? response.uv_size() > 0 : response.uv64_size() > 0;

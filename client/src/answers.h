@@ -19,6 +19,7 @@
 
 namespace arap::v1 {
 class DeformOptions;
+class FlattenRequest;
 class FlattenResponse;
 class GetServerInfoResponse;
 class HandleSetInfo;
@@ -62,11 +63,12 @@ Result<SessionPage> FromWire(const v1::ListSessionsResponse& response, std::uint
                              const std::string& page_token);
 ServerInfo FromWire(const v1::GetServerInfoResponse& response);
 
+void ToWire(const SurfaceMesh& mesh, const FlattenQuery& query, v1::FlattenRequest* out);
 // A layout of that mesh with all that was asked for.
 Result<FlatSurface> FromWire(const v1::FlattenResponse& response, const SurfaceMesh& mesh,
                              const FlattenQuery& query);
 
-// A fault of that kind, for what streams and tracks check themselves.
+// A fault of that kind, for what streams, tracks and jobs check themselves.
 Fault BadAnswer(std::string sentence);
 
 }  // namespace arap::client::internal

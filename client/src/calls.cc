@@ -118,11 +118,12 @@ std::optional<system_clock::time_point> DeadlineOf(const CallOptions& call, mill
 }
 
 Status MakeCall(const Method& method, const CallOptions& call, const std::string& session_id,
-                const std::function<grpc::Status(grpc::ClientContext&)>& attempt) {
+                const std::function<grpc::Status(grpc::ClientContext&)>& attempt,
+                const bool* heard) {
   const auto deadline = DeadlineOf(call, method.limit);
   const CallHeaders headers(session_id, call.traceparent);
   Backoff backoff;
-  std::optional<steady_clock::time_point> give_up;  // from the first failure on
+  std::optional<steady_clock::time_point> give_up;  // from the first failure on, or the last piece
   bool in_doubt = false;                            // an attempt may have been carried out
   for (;;) {
     grpc::ClientContext context;
@@ -142,7 +143,7 @@ Status MakeCall(const Method& method, const CallOptions& call, const std::string
     in_doubt = in_doubt || !IsRefused(fault);
     const milliseconds pause = std::max(backoff.Next(), DelayOf(fault));
     const auto now = steady_clock::now();
-    if (!give_up) give_up = now + call.retry_within;
+    if (!give_up || (heard != nullptr && *heard)) give_up = now + call.retry_within;
     if (pause >= *give_up - now || (deadline && pause >= *deadline - system_clock::now()) ||
         !Wait(pause, call.stop)) {
       return Fail(std::move(fault));

@@ -72,9 +72,11 @@ inline constexpr Method kChange{Repeat::kNever, kWorkLimit};
 std::optional<std::chrono::system_clock::time_point> DeadlineOf(const CallOptions& call,
                                                                 std::chrono::milliseconds limit);
 
-// Makes the call, and again as the method allows; `attempt` makes it once.
+// Makes the call, and again as the method allows; `attempt` makes it once, and where the answer
+// comes in pieces says in `heard` whether one came: then retry_within counts anew.
 Status MakeCall(const Method& method, const CallOptions& call, const std::string& session_id,
-                const std::function<grpc::Status(grpc::ClientContext&)>& attempt);
+                const std::function<grpc::Status(grpc::ClientContext&)>& attempt,
+                const bool* heard = nullptr);
 
 // One unary call: `function` is the stub's.
 template <class Stub, class Request, class Response>

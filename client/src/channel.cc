@@ -120,9 +120,6 @@ Interceptors IdentitySender(const ConnectOptions& options) {
   return interceptors;
 }
 
-// Room for the largest meshes and shapes that a server may be told to allow.
-constexpr int kMaxMessageBytes = 256 << 20;
-
 grpc::ChannelArguments Arguments() {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);

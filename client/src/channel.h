@@ -14,6 +14,9 @@
 
 namespace arap::client::internal {
 
+// Room for the largest meshes and shapes that a server may be told to allow.
+inline constexpr int kMaxMessageBytes = 256 << 20;
+
 class Channel {
  public:
   // Plaintext, without a token.

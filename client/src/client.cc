@@ -7,8 +7,6 @@
 #include "client/src/calls.h"
 #include "client/src/channel.h"
 #include "core/base/try.h"
-#include "proto/convert/flatten.h"
-#include "proto/convert/mesh.h"
 #include "proto/convert/plain.h"
 
 namespace arap::client {
@@ -75,12 +73,8 @@ Result<SessionPage> Client::ListSessions(std::uint32_t page_size, const std::str
 Result<FlatSurface> Client::Flatten(const SurfaceMesh& mesh, const FlattenQuery& query,
                                     const CallOptions& call) const {
   v1::FlattenRequest request;
-  convert::ToWire(mesh, request.mutable_mesh());
-  convert::ToWire(query.options, &request);
-  request.set_surface_key(query.surface_key);
-  request.set_include_first_step(query.first_step);
-  request.set_include_singular_values(query.singular_values);
-  request.set_float64(query.float64);
+  internal::ToWire(mesh, query, &request);
+  request.set_max_response_bytes(internal::kMaxMessageBytes);
   TRY(const v1::FlattenResponse response,
       Call(channel_->flattening(), &v1::FlatteningService::Stub::Flatten, request, kWork, call));
   return FromWire(response, mesh, query);

@@ -1,5 +1,6 @@
 #include "arap/client/session.h"
 
+#include <memory>
 #include <utility>
 
 #include "client/src/answers.h"

@@ -1,8 +1,5 @@
 // Session::DeformTrack: the frames of a track, each checked as it comes.
-#include <condition_variable>
-#include <mutex>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,51 +9,12 @@
 #include "client/src/answers.h"
 #include "client/src/calls.h"
 #include "client/src/channel.h"
+#include "client/src/impatience.h"
 #include "core/base/try.h"
 #include "proto/convert/deform.h"
 
 namespace arap::client {
 namespace {
-
-// Cancels a call when nothing has come for `limit` while it was waited for.
-class Impatience {
- public:
-  Impatience(grpc::ClientContext& context, std::chrono::milliseconds limit)
-      : limit_(limit), watch_([this, &context](const std::stop_token& stop) {
-          std::unique_lock lock(mutex_);
-          while (!stop.stop_requested()) {
-            const std::uint64_t seen = changes_;
-            const auto changed = [&] { return changes_ != seen; };
-            if (!waiting_) {
-              changed_.wait(lock, stop, changed);
-            } else if (!changed_.wait_for(lock, stop, limit_, changed) && !stop.stop_requested()) {
-              lost_ = true;
-              context.TryCancel();
-              return;
-            }
-          }
-        }) {}
-
-  void SetWaiting(bool waiting) {
-    const std::lock_guard lock(mutex_);
-    waiting_ = waiting;
-    ++changes_;
-    changed_.notify_all();
-  }
-  bool is_lost() const {
-    const std::lock_guard lock(mutex_);
-    return lost_;
-  }
-
- private:
-  const std::chrono::milliseconds limit_;
-  mutable std::mutex mutex_;
-  std::condition_variable_any changed_;
-  std::uint64_t changes_ = 0;
-  bool waiting_ = false;
-  bool lost_ = false;
-  std::jthread watch_;  // last: it uses all of the above
-};
 
 // The next frame, which has to be the one of this number.
 Result<Shape> FrameOf(const v1::Shape& shape, const internal::ShapeQuestion& asked,
@@ -92,7 +50,7 @@ Status Session::DeformTrack(const std::string& handle_set_id,
   internal::CallHeaders(id_, call.traceparent).AddTo(context);
   if (const auto deadline = internal::DeadlineOf(call, kNoLimit)) context.set_deadline(*deadline);
   const std::stop_callback cancel(call.stop, [&context] { context.TryCancel(); });
-  Impatience impatience(context, kWorkLimit);
+  internal::Impatience impatience(context, kWorkLimit);
   const auto reader = channel_->deformation().DeformTrack(&context, request);
   const internal::ShapeQuestion asked{options, sizes_->OfSet(handle_set_id)};
   std::optional<Fault> stop;

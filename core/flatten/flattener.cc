@@ -34,6 +34,13 @@ struct PreparedSurfaceParts {
 
 namespace {
 
+// What is done of the whole work, roughly, after each phase.
+constexpr double kCutDone = 0.1, kChartsDone = 0.2, kLayoutDone = 0.9;
+
+void Tell(const FlattenProgress& progress, std::string_view phase, double fraction) {
+  if (progress) progress(phase, fraction);
+}
+
 // Factors kept by Prepare, of each step and chart.
 constexpr std::size_t kKeptFactors = 8;
 // Of each step in all: a surface of many more charts is flattened anew each time.
@@ -133,15 +140,20 @@ Fault Explained(Fault fault, const Chart& chart) {
 // Flattens what is cut already; the times have no share for cutting it.
 Result<Flattening> FlattenPrepared(const PreparedSurfaceParts& surface,
                                    const FlattenOptions& options, const CancelToken& cancel,
-                                   PinSolver solver) {
+                                   PinSolver solver, const FlattenProgress& progress) {
   CpuTimer timer;
   CHECK_OK(CheckFlattenOptions(options, surface.surface.mesh.triangles.size()));
   TRY(const auto wishes,
       FindWishes(surface.charts, surface.surface.source, surface.input_vertices, options, cancel));
   Assembly assembly(surface.surface, surface.charts);
+  const auto triangles = static_cast<double>(surface.surface.mesh.triangles.size());
+  std::size_t laid = 0;
   for (std::size_t c = 0; c < surface.charts.size(); ++c) {
     CHECK_OK(cancel.Check());
+    Tell(progress, "layout",
+         kChartsDone + (kLayoutDone - kChartsDone) * static_cast<double>(laid) / triangles);
     const Chart& chart = surface.charts[c];
+    laid += chart.triangles.size();
     auto layout = LayOutChart(chart, options, EnergyOf(chart, options.energy), solver, wishes[c],
                               fmt::to_string(c), surface.factors, cancel);
     if (!layout) {
@@ -227,16 +239,18 @@ Result<std::shared_ptr<const PreparedSurface>> PrepareSurface(SurfaceMesh mesh,
 
 Result<Flattening> FlattenAtOnce(SurfaceMesh mesh, const FlattenOptions& options,
                                  const MeshLimits& limits, const CancelToken& cancel,
-                                 PinSolver solver) {
+                                 PinSolver solver, const FlattenProgress& progress) {
   CHECK_OK(CheckFlattenOptions(options, mesh.triangles.size()));
   CpuTimer timer;
   const std::size_t vertices = mesh.vertices.size();
+  Tell(progress, "cutting", 0);
   TRY(auto surface, CutToCharts(std::move(mesh), options.cut, limits, cancel));
+  Tell(progress, "charts", kCutDone);
   TRY(auto charts, MakeCharts(surface, cancel));
   // This surface is not flattened again: no factor is kept.
   const PreparedSurfaceParts prepared(std::move(surface), vertices, std::move(charts), 0);
   const double topology = timer.Lap();
-  TRY(auto flat, FlattenPrepared(prepared, options, cancel, solver));
+  TRY(auto flat, FlattenPrepared(prepared, options, cancel, solver, progress));
   flat.times.topology = topology;
   return flat;
 }
@@ -250,14 +264,17 @@ Result<std::shared_ptr<const PreparedSurface>> Prepare(SurfaceMesh mesh, const C
 }
 
 Result<Flattening> Flatten(const PreparedSurface& surface, const FlattenOptions& options,
-                           const CancelToken& cancel, PinSolver solver) {
-  return OrOutOfMemory([&] { return FlattenPrepared(surface.parts(), options, cancel, solver); });
+                           const CancelToken& cancel, PinSolver solver,
+                           const FlattenProgress& progress) {
+  return OrOutOfMemory(
+      [&] { return FlattenPrepared(surface.parts(), options, cancel, solver, progress); });
 }
 
 Result<Flattening> Flatten(SurfaceMesh mesh, const FlattenOptions& options,
-                           const MeshLimits& limits, const CancelToken& cancel, PinSolver solver) {
+                           const MeshLimits& limits, const CancelToken& cancel, PinSolver solver,
+                           const FlattenProgress& progress) {
   return OrOutOfMemory(
-      [&] { return FlattenAtOnce(std::move(mesh), options, limits, cancel, solver); });
+      [&] { return FlattenAtOnce(std::move(mesh), options, limits, cancel, solver, progress); });
 }
 
 }  // namespace arap

@@ -47,16 +47,19 @@ void Measure(const FlattenTimes& times, double micros, runtime::Metrics& metrics
 
 Result<FlatAnswer> PreparedSurfaces::Flatten(const Caller& caller, const std::string& surface_key,
                                              SurfaceMesh mesh, const FlattenOptions& options,
-                                             const CancelToken& cancel) {
+                                             const CancelToken& cancel,
+                                             const FlattenProgress& progress) {
   const runtime::WallTimer working;
   const FlattenCost cost =
       EstimateFlatten(SizeOf(mesh, options.cut), options, !surface_key.empty());
   TRY(const auto room, derived_.Reserve(caller, cost.bytes));
   FlatAnswer answer;
   if (surface_key.empty()) {
-    TRY(answer.flat, arap::Flatten(std::move(mesh), options, limits_, cancel));
+    TRY(answer.flat,
+        arap::Flatten(std::move(mesh), options, limits_, cancel, PinSolver::kAuto, progress));
   } else {
-    TRY(answer, FlattenNamed(caller.owner, surface_key, std::move(mesh), options, cancel));
+    TRY(answer,
+        FlattenNamed(caller.owner, surface_key, std::move(mesh), options, cancel, progress));
   }
   Measure(answer.flat.times, working.Micros(), metrics_);
   return answer;
@@ -64,7 +67,8 @@ Result<FlatAnswer> PreparedSurfaces::Flatten(const Caller& caller, const std::st
 
 Result<FlatAnswer> PreparedSurfaces::FlattenNamed(const std::string& owner, const std::string& key,
                                                   SurfaceMesh mesh, const FlattenOptions& options,
-                                                  const CancelToken& cancel) {
+                                                  const CancelToken& cancel,
+                                                  const FlattenProgress& progress) {
   CHECK_OK(CheckName(key, "surface_key"));
   // Before a surface is prepared in vain.
   CHECK_OK(CheckFlattenOptions(options, mesh.triangles.size()));
@@ -74,7 +78,7 @@ Result<FlatAnswer> PreparedSurfaces::FlattenNamed(const std::string& owner, cons
   if (!cached) {
     TRY(surface, Prepare(std::move(mesh), options.cut, limits_, cancel));
   }
-  auto flat = arap::Flatten(*surface, options, cancel);
+  auto flat = arap::Flatten(*surface, options, cancel, PinSolver::kAuto, progress);
   Keep(owner, key, hash, std::move(surface));
   if (!flat) return Fail(std::move(flat.error()));
   return FlatAnswer{*std::move(flat), cached};

@@ -36,7 +36,8 @@ class PreparedSurfaces {
   // costs time only. Takes as long as the flattening: for the job lane. Faults: those of
   // arap::Flatten, kInvalidName for the key, kLimitExceeded when the memory is not to be had.
   Result<FlatAnswer> Flatten(const Caller& caller, const std::string& surface_key, SurfaceMesh mesh,
-                             const FlattenOptions& options, const CancelToken& cancel);
+                             const FlattenOptions& options, const CancelToken& cancel,
+                             const FlattenProgress& progress = {});
 
   // What `owner` keeps under `key`, or null: nothing, or a surface of other content.
   std::shared_ptr<const PreparedSurface> Find(const std::string& owner, const std::string& key,
@@ -52,7 +53,7 @@ class PreparedSurfaces {
  private:
   Result<FlatAnswer> FlattenNamed(const std::string& owner, const std::string& key,
                                   SurfaceMesh mesh, const FlattenOptions& options,
-                                  const CancelToken& cancel);
+                                  const CancelToken& cancel, const FlattenProgress& progress);
 
   DerivedCache& derived_;
   runtime::Metrics& metrics_;

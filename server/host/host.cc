@@ -287,6 +287,7 @@ void Host::Stop(std::chrono::milliseconds grace) {
   acceptor_.reset();
   if (server_) {
     engine_.streams.Drain();
+    engine_.flatten_jobs.Drain();
     health_.End();
     server_->Shutdown(std::chrono::system_clock::now() + grace);
     server_->Wait();

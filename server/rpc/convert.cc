@@ -12,6 +12,7 @@
 #include "arap/core/pick.h"
 #include "core/base/names.h"
 #include "core/base/try.h"
+#include "server/flattening/flatten_jobs.h"
 #include "server/sessions/handle_sets.h"
 #include "server/sessions/meshes.h"
 #include "server/streams/live_set.h"
@@ -143,6 +144,19 @@ Status ToWire(const app::LiveSet& set, const ShapeQuality& quality, const ShapeO
   out->set_queue_micros(times.queue_micros);
   out->set_solve_micros(times.working.Micros() / static_cast<double>(times.shapes));
   return {};
+}
+
+void ToWire(const app::JobView& view, v1::Job* out) {
+  constexpr v1::JobState kStates[] = {v1::JOB_STATE_WAITING, v1::JOB_STATE_RUNNING,
+                                      v1::JOB_STATE_DONE, v1::JOB_STATE_FAILED,
+                                      v1::JOB_STATE_CANCELLED};
+  out->set_job_id(view.id);
+  out->set_state(kStates[static_cast<std::size_t>(view.state)]);
+  out->set_phase(view.phase);
+  out->set_fraction(view.fraction);
+  out->set_place(static_cast<std::uint32_t>(view.place));
+  if (!view.ended()) SetMicros(1e6 * view.expected_seconds, out->mutable_expected_end());
+  out->set_result_bytes(view.result_bytes);
 }
 
 Status CheckBudget(const v1::FlattenRequest& request, const Limits& limits) {

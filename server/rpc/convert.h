@@ -24,11 +24,13 @@ class CreateSessionRequest;
 class DeformTrackRequest;
 class FlattenRequest;
 class HandleSetInfo;
+class Job;
 class Session;
 }  // namespace arap::v1
 namespace arap::app {
 struct HandleSetEntry;
 class LiveSet;
+struct JobView;
 struct MeshEntry;
 }  // namespace arap::app
 
@@ -90,6 +92,9 @@ struct ShapeTimes {
 Status ToWire(const app::LiveSet& set, const ShapeQuality& quality, const ShapeOptions& options,
               std::span<const Complex> picks, const CancelToken& cancel, const ShapeTimes& times,
               v1::Shape* out, std::size_t lane = 0);
+
+// How a job stands.
+void ToWire(const app::JobView& view, v1::Job* out);
 
 // kLimitExceeded when the surface has more than max_flatten_triangles. Looks at lengths only.
 Status CheckBudget(const v1::FlattenRequest& request, const Limits& limits);

@@ -1,5 +1,5 @@
-// The services of the wire. Each has a file of its name with its methods and their handlers; unary.h
-// says what a handler is.
+// The services of the wire. Each has a file of its name with its methods and their handlers;
+// unary.h says what a handler is.
 #pragma once
 
 #include <memory>
@@ -37,8 +37,8 @@ struct NamedService {
 // are registered with.
 std::vector<NamedService> MakeServices(app::Engine& engine, const Identity& identity);
 
-// What answers calls of methods that there are not; counted as all calls are. `connections` outlives
-// it.
+// What answers calls of methods that there are not; counted as all calls are. `connections`
+// outlives it.
 std::unique_ptr<grpc::CallbackGenericService> MakeUnknownMethods(Connections& connections);
 
 NamedService Named(std::unique_ptr<Methods> methods);
@@ -77,6 +77,12 @@ Status Deform(app::Engine& engine, const v1::DeformRequest& request, const Call&
 // flattening_service.cc
 Status Flatten(app::Engine& engine, const v1::FlattenRequest& request, const Call& call,
                v1::FlattenResponse* response);
+Status SubmitFlatten(app::Engine& engine, const v1::SubmitFlattenRequest& request, const Call& call,
+                     v1::SubmitFlattenResponse* response);
+Status GetResult(app::Engine& engine, const v1::GetResultRequest& request, const Call& call,
+                 v1::GetResultResponse* response);
+Status CancelJob(app::Engine& engine, const v1::CancelJobRequest& request, const Call& call,
+                 v1::CancelJobResponse* response);
 
 // server_service.cc
 Status GetServerInfo(app::Engine& engine, const v1::GetServerInfoRequest& request, const Call& call,

@@ -144,7 +144,8 @@ void Session::RemoveEndListener(std::uint64_t id) {
 std::size_t BytesOf(const store::SessionRecord& record) {
   constexpr std::size_t kEntry = 256;  // a node of a map with its names
   constexpr std::size_t kId = 96;      // of a handle: most are shorter, and looking at each is dear
-  std::size_t bytes = kEntry * (1 + record.meshes.size() + record.handle_sets.size());
+  std::size_t bytes =
+      kEntry * (1 + record.meshes.size() + record.handle_sets.size() + record.jobs.size());
   for (const auto& [id, set] : record.handle_sets) {
     bytes += set.definitions->size() * (sizeof(Handle) + kId);
   }
@@ -161,6 +162,12 @@ Result<store::HandleSetRecord> FindHandleSet(const store::SessionRecord& record,
                                              const std::string& handle_set_id) {
   const auto found = record.handle_sets.find(handle_set_id);
   if (found == record.handle_sets.end()) return Fail(NotFound("handle set", handle_set_id));
+  return found->second;
+}
+
+Result<store::JobRecord> FindJob(const store::SessionRecord& record, const std::string& job_id) {
+  const auto found = record.jobs.find(job_id);
+  if (found == record.jobs.end()) return Fail(NotFound("job", job_id));
   return found->second;
 }
 

@@ -114,6 +114,7 @@ std::size_t BytesOf(const store::SessionRecord& record);
 Result<store::MeshRecord> FindMesh(const store::SessionRecord& record, const std::string& mesh_id);
 Result<store::HandleSetRecord> FindHandleSet(const store::SessionRecord& record,
                                              const std::string& handle_set_id);
+Result<store::JobRecord> FindJob(const store::SessionRecord& record, const std::string& job_id);
 SessionView ViewOf(const store::SessionRecord& record, runtime::Clock::Wall expires);
 
 // kInvalidName and kInvalidOption with the field of CreateSession.

@@ -134,7 +134,7 @@ Result<std::set<std::string>> MemorySpecStore::ReferencedBlobs() {
   const MutexLock lock(&mutex_);
   std::set<std::string> blobs;
   for (const auto& [key, record] : records_) {
-    for (const auto& [id, mesh] : record.meshes) blobs.insert(mesh.blob);
+    blobs.merge(record.Blobs());
   }
   return blobs;
 }

@@ -196,6 +196,58 @@ HandleSetRecord ReadHandleSet(RecordReader& reader, const Json& json) {
   return set;
 }
 
+Json FaultToJson(const Fault& fault) {
+  Json details = Json::array();
+  for (const auto& [name, value] : fault.details) details.push_back({name, value});
+  return {{"reason", InfoOf(fault.kind).reason},
+          {"message", fault.message},
+          {"field", fault.field},
+          {"elements", fault.elements},
+          {"details", std::move(details)}};
+}
+
+// The reason of a later version is kInternal.
+Fault ReadFault(RecordReader& reader, const Json& json) {
+  std::string reason, message, field;
+  reader.String(json, "reason", reason);
+  reader.String(json, "message", message);
+  reader.String(json, "field", field);
+  Fault fault(KindOfReason(reason).value_or(FaultKind::kInternal), message);
+  fault.Field(field);
+  for (const Json& element : reader.Array(json, "elements")) {
+    if (reader.Check(element.is_number_unsigned())) fault.Element(element.get<std::uint32_t>());
+  }
+  for (const Json& detail : reader.Array(json, "details")) {
+    if (!reader.Check(detail.is_array() && detail.size() == 2)) continue;
+    std::string name, value;
+    reader.String(detail[0], name);
+    reader.String(detail[1], value);
+    fault.Detail(name, value);
+  }
+  return fault;
+}
+
+Json JobToJson(const JobRecord& job) {
+  Json json = {{"request", job.request}};
+  if (!job.result.empty()) {
+    json["result"] = job.result;
+    json["result_bytes"] = job.result_bytes;
+  }
+  if (job.fault) json["fault"] = FaultToJson(*job.fault);
+  return json;
+}
+
+JobRecord ReadJob(RecordReader& reader, const Json& json) {
+  JobRecord job;
+  reader.String(json, "request", job.request);
+  if (json.contains("result")) {
+    reader.String(json, "result", job.result);
+    reader.Number(json, "result_bytes", job.result_bytes);
+  }
+  if (json.contains("fault")) job.fault = ReadFault(reader, json["fault"]);
+  return job;
+}
+
 SessionRecord ReadRecord(RecordReader& reader, const Json& json) {
   SessionRecord record;
   std::uint64_t format = 0;
@@ -223,6 +275,11 @@ SessionRecord ReadRecord(RecordReader& reader, const Json& json) {
   for (const auto& [id, set] : reader.Object(json, "handle_sets").items()) {
     record.handle_sets[id] = ReadHandleSet(reader, set);
   }
+  if (json.is_object() && json.contains("jobs")) {
+    for (const auto& [id, job] : reader.Object(json, "jobs").items()) {
+      record.jobs[id] = ReadJob(reader, job);
+    }
+  }
   return record;
 }
 
@@ -247,17 +304,22 @@ Json RecordToJson(const SessionRecord& record) {
   }
   Json labels = Json::object();
   for (const auto& [key, value] : record.labels) labels[key] = value;
-  return {{"format", kFormat},
-          {"owner", record.key.owner},
-          {"id", record.key.id},
-          {"incarnation", record.incarnation},
-          {"revision", record.revision},
-          {"ttl_ms", record.ttl.count()},
-          {"created_ms", ToMillis(record.created)},
-          {"expires_ms", ToMillis(record.expires)},
-          {"labels", std::move(labels)},
-          {"meshes", std::move(meshes)},
-          {"handle_sets", std::move(handle_sets)}};
+  Json jobs = Json::object();
+  for (const auto& [id, job] : record.jobs) jobs[id] = JobToJson(job);
+  Json json = {{"format", kFormat},
+               {"owner", record.key.owner},
+               {"id", record.key.id},
+               {"incarnation", record.incarnation},
+               {"revision", record.revision},
+               {"ttl_ms", record.ttl.count()},
+               {"created_ms", ToMillis(record.created)},
+               {"expires_ms", ToMillis(record.expires)},
+               {"labels", std::move(labels)},
+               {"meshes", std::move(meshes)},
+               {"handle_sets", std::move(handle_sets)}};
+  // Records without jobs read as they did before there were any.
+  if (!jobs.empty()) json["jobs"] = std::move(jobs);
+  return json;
 }
 
 }  // namespace

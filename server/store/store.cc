@@ -14,6 +14,16 @@ runtime::Clock::Wall FromMillis(std::int64_t millis) {
   return runtime::Clock::Wall(std::chrono::milliseconds(millis));
 }
 
+std::set<std::string> SessionRecord::Blobs() const {
+  std::set<std::string> blobs;
+  for (const auto& [id, mesh] : meshes) blobs.insert(mesh.blob);
+  for (const auto& [id, job] : jobs) {
+    blobs.insert(job.request);
+    if (!job.result.empty()) blobs.insert(job.result);
+  }
+  return blobs;
+}
+
 Fault Unavailable(std::string_view why) {
   Fault fault(FaultKind::kStoreUnavailable,
               fmt::format("The store of sessions cannot serve: {}.", why));

@@ -57,6 +57,14 @@ struct HandleSetRecord {
   std::uint64_t revision = 1;  // grows by one with every edit
 };
 
+// A flattening that is done as a job. It has ended when there is a result or a fault.
+struct JobRecord {
+  std::string request;  // a blob
+  std::string result;   // a blob, when it is done
+  std::uint64_t result_bytes = 0;
+  std::optional<Fault> fault;  // why there is no result
+};
+
 struct SessionRecord {
   SessionKey key;
   // Tells sessions apart that had the id one after the other: random digits, made when the session
@@ -68,7 +76,11 @@ struct SessionRecord {
   runtime::Clock::Wall expires;              // likewise; no earlier than what the client was told
   std::map<std::string, MeshRecord> meshes;  // by mesh id
   std::map<std::string, HandleSetRecord> handle_sets;  // by handle set id
+  std::map<std::string, JobRecord> jobs;               // by job id
   std::uint64_t revision = 1;  // grows by one with every change but that of `expires`
+
+  // The blobs that it names.
+  std::set<std::string> Blobs() const;
 };
 
 // Two records of one key with equal versions are the same record.

@@ -58,6 +58,22 @@ TEST_F(FlattenCommand, LaysTheSampleGarmentFlat) {
   EXPECT_EQ(mesh->triangles.size(), report["triangles"].get<std::size_t>());
 }
 
+TEST_F(FlattenCommand, AsAJobAnswersTheSame) {
+  ASSERT_EQ(Arapctl({"sample", "garment", "--edge", "8", "--out", Path("skirt.obj")}).code, 0);
+  const Outcome call =
+      Arapctl({"flatten", Path("skirt.obj"), "--spawn", "--out", Path("flat.obj")});
+  ASSERT_EQ(call.code, 0) << call.err;
+  const Outcome job = Arapctl(
+      {"flatten", Path("skirt.obj"), "--spawn", "--job", "skirts/one", "--out", Path("job.obj")});
+  ASSERT_EQ(job.code, 0) << job.err;
+  EXPECT_EQ(Slurp(Path("job.obj")), Slurp(Path("flat.obj")));
+  EXPECT_EQ(job.out, call.out);
+  const Outcome wrong =
+      Arapctl({"flatten", Path("skirt.obj"), "--spawn", "--job", "one", "--out", Path("job.obj")});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("SESSION/JOB"));
+}
+
 constexpr std::size_t kColumns = 25, kRows = 9;
 
 // A grid rolled up along its rows of straight rulings keeps the length of every edge, so its flat

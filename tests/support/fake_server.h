@@ -35,7 +35,8 @@ class FakeServer {
   }
 
   // The next calls of a method end like this, one after the other: without being carried out, or
-  // after they were. Streams and tracks are only ever refused.
+  // after they were; watching a job and fetching its result end after a piece of the answer.
+  // Streams and tracks are only ever refused.
   void Refuse(const std::string& method, std::vector<grpc::Status> statuses);
   void LoseTheAnswer(const std::string& method, std::vector<grpc::Status> statuses);
   // Nothing is said on calls of this method, until they are cancelled. A stream still reads.

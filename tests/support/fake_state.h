@@ -17,6 +17,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include "arap/v1/deformation_service.pb.h"
+#include "arap/v1/flattening_service.pb.h"
 #include "tests/support/fake_server.h"
 
 namespace arap::testing {
@@ -89,9 +90,14 @@ struct FakeServer::State {
     const grpc::Status done = work(session);
     if (!done.ok()) return done;
     Changed(*response);
+    return Lost(method).value_or(grpc::Status::OK);
+  }
+
+  // How a call ends whose answer, or a piece of it, is lost; nothing when it is not.
+  std::optional<grpc::Status> Lost(const std::string& method) {
     const std::lock_guard lock(mutex);
     auto& losses = lose[method];
-    if (losses.empty()) return grpc::Status::OK;
+    if (losses.empty()) return std::nullopt;
     const grpc::Status lost = losses.front();
     losses.pop_front();
     return lost;
@@ -140,8 +146,9 @@ struct FakeServer::State {
   }
 
   mutable std::mutex mutex;
-  std::map<std::string, v1::PlanarMesh> meshes;  // by "session/mesh"
-  std::map<std::string, Set> sets;               // by "session/set"
+  std::map<std::string, v1::PlanarMesh> meshes;        // by "session/mesh"
+  std::map<std::string, Set> sets;                     // by "session/set"
+  std::map<std::string, v1::FlattenResponse> results;  // by "session/job"
   std::map<std::string, std::function<void(google::protobuf::Message&)>> changes;
   std::map<std::string, std::deque<grpc::Status>> refuse, lose;
   std::set<std::string> hushed;

@@ -64,8 +64,12 @@ Status Flatten(const FlattenFlags& flags) {
   const bool layout =
       !(flags.out.empty() && flags.svg.empty() && flags.dxf.empty() && flags.report.empty());
   if (layout) {
+    const std::size_t slash = flags.job.find('/');
     TRY(const client::FlatSurface answer,
-        FlattenWaiting(connection.client(), mesh, query, flags.timeout.value(), "flattening"));
+        flags.job.empty()
+            ? FlattenWaiting(connection.client(), mesh, query, flags.timeout.value(), "flattening")
+            : FlattenAsJob(connection.client(), mesh, query, flags.timeout.value(),
+                           flags.job.substr(0, slash), flags.job.substr(slash + 1)));
     PrintWarnings(answer.flat.warnings);
     CHECK_OK(WriteLayout(flags, query.options.grain_lines, mesh, answer));
   }

@@ -9,6 +9,7 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/flatten_inputs.h"
+#include "core/base/names.h"
 #include "core/base/try.h"
 #include "core/files/text_file.h"
 
@@ -199,6 +200,19 @@ void AddFlattenFlags(CLI::App& command, FlattenFlags& flags) {
   AddServerFlags(command, flags.server);
   AddMethodFlags(command, flags.method);
   AddTimeout(command, flags.timeout);
+  command
+      .add_option("--job", flags.job,
+                  "as a job that goes on by itself: asking again with the same name finds it")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            const std::size_t slash = text.find('/');
+            const bool good = slash != std::string::npos &&
+                              CheckName(text.substr(0, slash), "job").has_value() &&
+                              CheckName(text.substr(slash + 1), "job").has_value();
+            return good ? std::string() : text + " is not SESSION/JOB";
+          },
+          ""))
+      ->option_text("SESSION/JOB");
   AddSurfaceFlags(command, flags);
   AddOutputs(command, flags);
   AddDrawing(command, flags);

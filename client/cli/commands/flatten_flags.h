@@ -45,6 +45,7 @@ struct FlattenFlags {
   bool interior = false;
   bool plain = false;
   Timeout timeout;
+  std::string job;  // SESSION/JOB; empty: a call
   MethodFlags method;
   client::FlattenQuery query;  // but for what `method` and the files say
 };

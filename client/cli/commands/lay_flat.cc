@@ -67,6 +67,34 @@ Result<client::FlatSurface> FlattenWaiting(const client::Client& client, const S
   return answer;
 }
 
+Result<client::FlatSurface> FlattenAsJob(const client::Client& client, const SurfaceMesh& mesh,
+                                         client::FlattenQuery query,
+                                         std::chrono::milliseconds timeout,
+                                         const std::string& session, const std::string& job) {
+  query.float64 = true;
+  query.singular_values = true;
+  std::stop_source stop;
+  Patience patience(
+      timeout, [&stop] { stop.request_stop(); }, "job " + job);
+  const client::CallOptions call{
+      .timeout = std::nullopt, .stop = stop.get_token(), .retry_within = timeout};
+  const auto flatten = [&]() -> Result<client::FlatSurface> {
+    client::SessionOptions options;
+    options.id = session;
+    TRY(const client::Session opened, client.CreateSession(options, call));
+    TRY(const auto submitted, opened.SubmitFlatten(job, mesh, query, call));
+    const auto heard = [&patience](const client::FlattenJob&) {
+      patience.Heard();
+      return true;
+    };
+    TRY(const auto ended, opened.WatchJob(job, heard, call));
+    return opened.GetResult(job, mesh, query, call);
+  };
+  Result<client::FlatSurface> answer = flatten();
+  if (!answer) return Fail(patience.Explain(answer.error()));
+  return answer;
+}
+
 Result<std::vector<ComparisonPanel>> CompareMethods(const client::FlattenQuery& base,
                                                     const FlattenCall& flatten) {
   std::vector<ComparisonPanel> panels;

@@ -19,6 +19,14 @@ Result<client::FlatSurface> FlattenWaiting(const client::Client& client, const S
                                            std::chrono::milliseconds timeout,
                                            const std::string& what);
 
+// The same as a job of the session of that name, which is opened when it is not there: asking
+// again, also after Ctrl-C or a failure, finds the job and goes on waiting for it. `timeout` counts
+// from what was heard last.
+Result<client::FlatSurface> FlattenAsJob(const client::Client& client, const SurfaceMesh& mesh,
+                                         client::FlattenQuery query,
+                                         std::chrono::milliseconds timeout,
+                                         const std::string& session, const std::string& job);
+
 // Flattens with the given options; `what` says which method it is for.
 using FlattenCall = std::function<Result<client::FlatSurface>(const client::FlattenQuery& query,
                                                               const std::string& what)>;

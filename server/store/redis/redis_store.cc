@@ -28,7 +28,7 @@ std::string RandomName() {
 
 std::string BlobsOf(const SessionRecord& record) {
   std::string blobs;
-  for (const auto& [id, mesh] : record.meshes) blobs += mesh.blob + " ";
+  for (const std::string& blob : record.Blobs()) blobs += blob + " ";
   return blobs;
 }
 

@@ -147,9 +147,7 @@ SqliteCode WriteRow(Sqlite& database, const SessionRow& row, const SessionRecord
     Query forget(database, "DELETE FROM blobs WHERE session = ?");
     if (forget.Bind(number).Run() != SQLITE_OK) return forget.code();
   }
-  std::set<std::string_view> blobs;
-  for (const auto& [id, mesh] : record.meshes) blobs.insert(mesh.blob);
-  for (const std::string_view blob : blobs) {
+  for (const std::string& blob : record.Blobs()) {
     Query name(database, "INSERT INTO blobs VALUES (?, ?)");
     if (name.Bind(number).Bind(blob).Run() != SQLITE_OK) return name.code();
   }

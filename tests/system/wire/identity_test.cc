@@ -96,12 +96,25 @@ TEST_F(IdentityTest, EveryRpcAsksWhoIsCalling) {
   ask(&D::EditHandles, v1::EditHandlesRequest(), v1::EditHandlesResponse());
   ask(&D::GetHandleSet, v1::GetHandleSetRequest(), v1::GetHandleSetResponse());
   ask(&D::DeleteHandleSet, v1::DeleteHandleSetRequest(), v1::DeleteHandleSetResponse());
-  {
+  const auto ask_flattening = [&](auto method, auto request, auto response) {
     grpc::ClientContext context;
     SetDeadline(context);
-    v1::FlattenResponse response;
-    refused(flattening().Flatten(&context, {}, &response));
-  }
+    refused((flattening().*method)(&context, request, &response));
+  };
+  using F = v1::FlatteningService::Stub;
+  ask_flattening(&F::Flatten, v1::FlattenRequest(), v1::FlattenResponse());
+  ask_flattening(&F::SubmitFlatten, v1::SubmitFlattenRequest(), v1::SubmitFlattenResponse());
+  ask_flattening(&F::GetResult, v1::GetResultRequest(), v1::GetResultResponse());
+  ask_flattening(&F::CancelJob, v1::CancelJobRequest(), v1::CancelJobResponse());
+  const auto read = [&](auto method, auto request, auto response) {
+    grpc::ClientContext context;
+    SetDeadline(context);
+    const auto reader = (flattening().*method)(&context, request);
+    EXPECT_FALSE(reader->Read(&response));
+    refused(reader->Finish());
+  };
+  read(&F::WatchJob, v1::WatchJobRequest(), v1::WatchJobResponse());
+  read(&F::DownloadResult, v1::DownloadResultRequest(), v1::DownloadResultResponse());
   {
     grpc::ClientContext context;
     SetDeadline(context);

@@ -24,7 +24,8 @@
 // as long as the server asks. That is done
 //
 //   in any case  by what only asks, and by what gives the same when it is done twice: the methods
-//                Get…, List…, Flatten, Deform, CreateSession, RegisterMesh, CompileHandles
+//                Get…, List…, Flatten, Deform, CreateSession, RegisterMesh, CompileHandles,
+//                SubmitFlatten, CancelJob; WatchJob and GetResult go on where they were lost
 //   and by       Delete…, where nothing to delete after a lost answer means that it was done
 //   only when    the server says that it has not begun: EditHandles
 //   never        by DeformTrack; streams resume when they are asked to (deform_stream.h)
@@ -49,8 +50,8 @@ using arap::kRetryDelayDetail;
 // What the server's logs call the call, sent as the header "x-request-id".
 inline constexpr std::string_view kRequestIdDetail = "request_id";
 
-// How long a call may take that is not told: one that only looks something up or removes it, and one
-// that computes.
+// How long a call may take that is not told: one that only looks something up or removes it, and
+// one that computes.
 inline constexpr std::chrono::milliseconds kQuickLimit = std::chrono::seconds(30);
 inline constexpr std::chrono::milliseconds kWorkLimit = std::chrono::minutes(10);
 // A timeout for calls that may take for ever.
@@ -59,12 +60,14 @@ inline constexpr std::chrono::milliseconds kNoLimit = std::chrono::milliseconds:
 struct CallOptions {
   // How long the whole call may take, with all its attempts; the server gives up too. Without it
   // kQuickLimit or kWorkLimit, as the method says. A track without it may take as long as its
-  // frames come, and a stream for ever; see there.
+  // frames come, a job may be watched for as long as it is told of, and a stream may last for ever;
+  // see there.
   std::optional<std::chrono::milliseconds> timeout = std::nullopt;
-  // Asking its source to stop cancels a unary call or a track, which then answers kCancelled. From
+  // Asking its source to stop cancels any call but a stream, which then answers kCancelled. From
   // any thread.
   std::stop_token stop = {};
-  // For how long after its first failure a call is made again; 0: not at all.
+  // For how long after its first failure a call is made again, or after the last piece of an answer
+  // that comes in pieces; 0: not at all.
   std::chrono::milliseconds retry_within = std::chrono::seconds(5);
   // W3C's "traceparent" of what the call is part of. Empty, or none: a trace of its own.
   std::string traceparent = {};

@@ -1,6 +1,9 @@
-// Flattening of surfaces: what to ask for and what comes back.
+// Flattening of surfaces: what to ask for, what comes back, and jobs of it that go on by
+// themselves.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <string>
 
 #include "arap/client/mesh.h"
@@ -44,5 +47,30 @@ struct FlatSurface {
   double queue_micros = 0;      // time spent waiting for a worker
   double solve_micros = 0;      // time spent computing
 };
+
+enum class JobState {
+  kWaiting,
+  kRunning,
+  kDone,
+  kFailed,  // GetResult says why
+  kCancelled,
+};
+
+// How a job stands.
+struct FlattenJob {
+  std::string id;
+  JobState state = JobState::kWaiting;
+  std::string phase;            // while it runs: "cutting", "charts", "layout", "storing"
+  double fraction = 0;          // of the work, an estimate until it is 1; falls only when a server
+                                // that was started anew begins the job again
+  std::uint32_t place = 0;      // how many jobs start before it, while it waits
+  double expected_seconds = 0;  // until it ends
+  std::uint64_t result_bytes = 0;  // when it is done
+
+  bool ended() const { return state != JobState::kWaiting && state != JobState::kRunning; }
+};
+
+// Told how a job stands. Return false to stop watching; the job goes on.
+using JobCallback = std::function<bool(const FlattenJob& job)>;
 
 }  // namespace arap::client

@@ -1,15 +1,17 @@
-// Session: a namespace of meshes and handle sets on the server, which expires when unused.
+// Session: a namespace of meshes, handle sets and jobs on the server, which expires when unused.
 //
 // A Session is a value that names the session; copies name the same one, and dropping it leaves the
 // session on the server. All members may be called from any thread at the same time. Every call
 // sends the id as the header "x-session-id", by which a load balancer finds the replica.
 //
-// Copies remember together the sizes of the meshes that they have registered or got, and every shape
-// must have as many vertices as its mesh. Of a mesh that they have never seen (another program has
-// registered it) shapes may be of any size: GetMesh first, or compare it yourself.
+// Copies remember together the sizes of the meshes that they have registered or got, and every
+// shape must have as many vertices as its mesh. Of a mesh that they have never seen (another
+// program has registered it) shapes may be of any size: GetMesh first, or compare it yourself.
 //
-// RegisterMesh, CompileHandles, EditHandles and Deform take kWorkLimit at most, unless CallOptions
-// say otherwise, everything else kQuickLimit; call.h says which are made again when they are lost.
+// RegisterMesh, CompileHandles, EditHandles, Deform and SubmitFlatten take kWorkLimit at most,
+// unless CallOptions say otherwise; WatchJob and GetResult as long as the server tells something
+// every kQuickLimit; everything else kQuickLimit. call.h says which are made again when they are
+// lost.
 #pragma once
 
 #include <chrono>
@@ -22,6 +24,7 @@
 
 #include "arap/client/call.h"
 #include "arap/client/deform_stream.h"
+#include "arap/client/flatten.h"
 #include "arap/client/handles.h"
 #include "arap/client/mesh.h"
 #include "arap/client/shape.h"
@@ -87,6 +90,23 @@ class Session {
   Status DeformTrack(const std::string& handle_set_id, std::span<const std::string> handle_ids,
                      std::span<const std::vector<Target>> frames, const ShapeOptions& options,
                      const FrameCallback& on_frame, const CallOptions& call = {}) const;
+
+  // Begins a flattening that goes on by itself, also when the server is started anew. The job lives
+  // as long as the session; submitting it again with the same arguments is harmless. kAlreadyExists
+  // when the name has another request.
+  Result<FlattenJob> SubmitFlatten(const std::string& job_id, const SurfaceMesh& mesh,
+                                   const FlattenQuery& query = {},
+                                   const CallOptions& call = {}) const;
+  // Blocks until the job has ended and answers how; `on_change` runs on the calling thread, at
+  // once, when something has changed and every second or so. kCancelled when it stops watching.
+  Result<FlattenJob> WatchJob(const std::string& job_id, const JobCallback& on_change = {},
+                              const CallOptions& call = {}) const;
+  // The result of a job that is done, of any size; `mesh` and `query` are what was submitted, and
+  // the result must fit them. kProtocol while it is not done; the fault of one that failed.
+  Result<FlatSurface> GetResult(const std::string& job_id, const SurfaceMesh& mesh,
+                                const FlattenQuery& query = {}, const CallOptions& call = {}) const;
+  // Ends a job that is not done; one that has ended stays as it is.
+  Result<FlattenJob> CancelJob(const std::string& job_id, const CallOptions& call = {}) const;
 
   // Opens a live stream and waits until the server has opened it. The timeout of `call` is that of
   // the whole stream.

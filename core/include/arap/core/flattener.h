@@ -7,7 +7,9 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
+#include <string_view>
 
 #include "arap/base/cancel.h"
 #include "arap/base/result.h"
@@ -28,6 +30,10 @@ enum class PinSolver {
 // number per vertex and iteration.
 inline constexpr std::size_t kDirectPins = 32;
 
+// Told how much of the work is done, 0 to 1, with a word for what is being done: "cutting",
+// "charts", "layout". From the thread of the work; may be empty.
+using FlattenProgress = std::function<void(std::string_view phase, double fraction)>;
+
 // What can be said of the options without the surface, of which only the number of triangles
 // counts: Flatten says the same before anything else. Faults: kInvalidOption (field "refine",
 // "refine_stop", "energy.basis", "energy.weights", "energy.rigidity", "pins[i].u", "pins[i].v",
@@ -41,7 +47,8 @@ Status CheckFlattenOptions(const FlattenOptions& options, std::size_t triangles)
 // Unreferenced vertices get the uv (0, 0) and a warning.
 Result<Flattening> Flatten(SurfaceMesh mesh, const FlattenOptions& options,
                            const MeshLimits& limits = {}, const CancelToken& cancel = {},
-                           PinSolver solver = PinSolver::kAuto);
+                           PinSolver solver = PinSolver::kAuto,
+                           const FlattenProgress& progress = {});
 
 // A surface validated, cut and split into charts. Immutable but for the factors that it keeps;
 // thread-safe. What is kept: the charts, the elimination orders, and the factors of the last few
@@ -74,7 +81,8 @@ Result<std::shared_ptr<const PreparedSurface>> Prepare(SurfaceMesh mesh, const C
 
 // As Flatten of a mesh, with `options.cut` already done.
 Result<Flattening> Flatten(const PreparedSurface& surface, const FlattenOptions& options,
-                           const CancelToken& cancel = {}, PinSolver solver = PinSolver::kAuto);
+                           const CancelToken& cancel = {}, PinSolver solver = PinSolver::kAuto,
+                           const FlattenProgress& progress = {});
 
 // What the cost of flattening a surface depends on.
 struct SurfaceSize {
@@ -96,9 +104,9 @@ struct FlattenCost {
 
 // `keep`: the surface is prepared to be flattened again. Fitted to a grid of sizes
 // (docs/operations.md): within a factor of 2 of the time and of 1.3 of the memory for surfaces
-// numbered row by row. Two things are not known before: how often a descent refines, so that `refine`
-// is taken in full, and whether an injective layout has to be searched for, which is taken to be so,
-// with 20 Newton steps.
+// numbered row by row. Two things are not known before: how often a descent refines, so that
+// `refine` is taken in full, and whether an injective layout has to be searched for, which is taken
+// to be so, with 20 Newton steps.
 FlattenCost EstimateFlatten(const SurfaceSize& size, const FlattenOptions& options,
                             bool keep = false);
 

@@ -1,0 +1,38 @@
+// Impatience: ends a call whose next message does not come.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <thread>
+
+namespace grpc {
+class ClientContext;
+}
+
+namespace arap::client::internal {
+
+// Has a thread of its own for as long as it lives. `context` outlives it, and its call begins after
+// it.
+class Impatience {
+ public:
+  // Cancels the call when nothing has come for `limit` while it was waited for.
+  Impatience(grpc::ClientContext& context, std::chrono::milliseconds limit);
+
+  // Somebody begins to wait for a message, or has got one, or knows that there is none.
+  void SetWaiting(bool waiting);
+  // Whether it has cancelled the call. From any thread.
+  bool is_lost() const;
+
+ private:
+  const std::chrono::milliseconds limit_;
+  mutable std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::uint64_t changes_ = 0;
+  bool waiting_ = false;
+  bool lost_ = false;
+  std::jthread watch_;  // last: it uses all of the above
+};
+
+}  // namespace arap::client::internal
