@@ -7,7 +7,7 @@ namespace arap::app {
 
 namespace {
 
-// What competes with `wanted`: only who adds meshes adds bytes that are looked at.
+// What competes with `wanted`.
 store::Usage CompetingPart(const store::Usage& more, const store::Usage& wanted) {
   store::Usage part;
   if (wanted.sessions > 0) part.sessions = more.sessions;
@@ -78,7 +78,7 @@ void OwnerQuotas::WaitForThoseAhead(std::uint64_t number, Shared shared) {
     const store::Usage& those = shared == Shared::kByOwner     ? ahead.owner
                                 : shared == Shared::kByGateway ? ahead.gateway
                                                                : ahead.all;
-    if (those.sessions + those.meshes + those.handle_sets == 0) return;
+    if (those.sessions + those.meshes + those.handle_sets + those.bytes == 0) return;
     left_.Wait(&mutex_);
   }
 }
@@ -86,7 +86,7 @@ void OwnerQuotas::WaitForThoseAhead(std::uint64_t number, Shared shared) {
 Result<std::optional<OwnerQuotas::Shortage>> OwnerQuotas::Find(const Caller& caller,
                                                                const store::Usage& more,
                                                                const Ahead& ahead) {
-  if (more.sessions + more.meshes + more.handle_sets == 0) return std::nullopt;
+  if (more.sessions + more.meshes + more.handle_sets + more.bytes == 0) return std::nullopt;
   TRY(store::Usage used, store_.UsageOf(caller.owner));
   used += ahead.owner;
   if (const QuotaRow* full = FullRow(used, more, caller.limits)) {

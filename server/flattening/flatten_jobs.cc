@@ -78,7 +78,7 @@ Result<JobView> FlattenJobs::Submit(const Caller& caller, const std::string& ses
     if (record.jobs.size() >= kMaxJobsPerSession) {
       return Fail(QuotaFull("max_jobs_per_session", kMaxJobsPerSession));
     }
-    record.jobs[job_id].request = hash;
+    record.jobs[job_id] = {hash, request.size(), {}, 0, {}};
     return true;
   };
   {
@@ -280,7 +280,7 @@ Status FlattenJobs::Finish(const Alive& live, Session& session) {
   TRY(const std::string request, workshop_.stores.blobs->Get(job.request));
   auto result = OrOutOfMemory([&] { return work_(live->caller, request, cancel, progress); });
   if (!result && result.error().kind == FaultKind::kDraining) return Fail(result.error());
-  store::JobRecord ended{job.request, {}, 0, {}};
+  store::JobRecord ended{job.request, job.request_bytes, {}, 0, {}};
   if (result) {
     progress("storing", kNearlyDone);
     TRY(ended.result, Sha256Hex(*result));
@@ -289,13 +289,22 @@ Status FlattenJobs::Finish(const Alive& live, Session& session) {
   } else {
     ended.fault = result.error();
   }
-  const auto record = [&](store::SessionRecord& whole) -> Result<bool> {
-    const auto found = whole.jobs.find(id);
-    if (found == whole.jobs.end() || HasEnded(found->second)) return false;
+  Status recorded = Record(live, session, ended);
+  if (recorded || recorded.error().kind != FaultKind::kLimitExceeded) return recorded;
+  // Where there is no room for the result there is room for the reason.
+  return Record(live, session,
+                {job.request, job.request_bytes, {}, 0, std::move(recorded.error())});
+}
+
+// Puts what came of a job into its session, unless it has ended meanwhile.
+Status FlattenJobs::Record(const Alive& live, Session& session, const store::JobRecord& ended) {
+  const auto end = [&](store::SessionRecord& record) -> Result<bool> {
+    const auto found = record.jobs.find(live->key.second);
+    if (found == record.jobs.end() || HasEnded(found->second)) return false;
     found->second = ended;
     return true;
   };
-  TRY(const auto stored, workshop_.sessions.Change(live->caller, session, record));
+  CHECK_OK(workshop_.sessions.Change(live->caller, session, end));
   return {};
 }
 

@@ -70,7 +70,7 @@ class FlattenJobs {
 
   // Records the job and lets it wait its turn. With the same request under the id, answers how that
   // job stands; one that failed for lack of room begins again. Faults: kInvalidName,
-  // kAlreadyExists, kLimitExceeded, kDraining.
+  // kAlreadyExists, kLimitExceeded (of what the caller may store, too), kDraining.
   Result<JobView> Submit(const Caller& caller, const std::string& session_id,
                          const std::string& job_id, const std::string& request,
                          double expected_seconds);
@@ -109,6 +109,7 @@ class FlattenJobs {
 
   void Run(const Alive& live);
   Status Finish(const Alive& live, Session& session);
+  Status Record(const Alive& live, Session& session, const store::JobRecord& ended);
   void Forget(const Alive& live);
   void Tell(const Alive& live);
 

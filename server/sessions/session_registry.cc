@@ -29,14 +29,9 @@ runtime::Clock::Wall WholeMilliseconds(runtime::Clock::Wall time) {
 // What a change adds, for the quotas of its owner.
 store::Usage Added(const store::SessionRecord& before, const store::SessionRecord& after) {
   const auto more = [](std::size_t now, std::size_t then) { return now > then ? now - then : 0; };
-  const auto bytes = [](const store::SessionRecord& record) {
-    std::size_t sum = 0;
-    for (const auto& [id, mesh] : record.meshes) sum += mesh.bytes;
-    return sum;
-  };
   return {.meshes = more(after.meshes.size(), before.meshes.size()),
           .handle_sets = more(after.handle_sets.size(), before.handle_sets.size()),
-          .bytes = more(bytes(after), bytes(before))};
+          .bytes = more(after.BlobBytes(), before.BlobBytes())};
 }
 
 }  // namespace

@@ -9,9 +9,7 @@ namespace arap::store {
 namespace {
 
 Usage UsageOfRecord(const SessionRecord& record) {
-  Usage usage{1, record.meshes.size(), record.handle_sets.size(), 0};
-  for (const auto& [id, mesh] : record.meshes) usage.bytes += mesh.bytes;
-  return usage;
+  return {1, record.meshes.size(), record.handle_sets.size(), record.BlobBytes()};
 }
 
 }  // namespace

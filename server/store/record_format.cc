@@ -228,7 +228,7 @@ Fault ReadFault(RecordReader& reader, const Json& json) {
 }
 
 Json JobToJson(const JobRecord& job) {
-  Json json = {{"request", job.request}};
+  Json json = {{"request", job.request}, {"request_bytes", job.request_bytes}};
   if (!job.result.empty()) {
     json["result"] = job.result;
     json["result_bytes"] = job.result_bytes;
@@ -240,6 +240,7 @@ Json JobToJson(const JobRecord& job) {
 JobRecord ReadJob(RecordReader& reader, const Json& json) {
   JobRecord job;
   reader.String(json, "request", job.request);
+  reader.Number(json, "request_bytes", job.request_bytes);
   if (json.contains("result")) {
     reader.String(json, "result", job.result);
     reader.Number(json, "result_bytes", job.result_bytes);

@@ -24,6 +24,13 @@ std::set<std::string> SessionRecord::Blobs() const {
   return blobs;
 }
 
+std::size_t SessionRecord::BlobBytes() const {
+  std::size_t bytes = 0;
+  for (const auto& [id, mesh] : meshes) bytes += mesh.bytes;
+  for (const auto& [id, job] : jobs) bytes += job.request_bytes + job.result_bytes;
+  return bytes;
+}
+
 Fault Unavailable(std::string_view why) {
   Fault fault(FaultKind::kStoreUnavailable,
               fmt::format("The store of sessions cannot serve: {}.", why));

@@ -30,8 +30,8 @@ struct SessionKey {
   auto operator<=>(const SessionKey&) const = default;  // NOLINT(modernize-use-nullptr)
 };
 
-// A mesh with its options. `blob` is the SHA-256 of the mesh blob (server/sessions/meshes.h) and at the same
-// time the content hash.
+// A mesh with its options. `blob` is the SHA-256 of the mesh blob (server/sessions/meshes.h) and at
+// the same time the content hash.
 struct MeshRecord {
   std::string blob;
   std::uint64_t bytes = 0;  // of the blob; 0 where an earlier version has not written it down
@@ -60,7 +60,8 @@ struct HandleSetRecord {
 // A flattening that is done as a job. It has ended when there is a result or a fault.
 struct JobRecord {
   std::string request;  // a blob
-  std::string result;   // a blob, when it is done
+  std::uint64_t request_bytes = 0;
+  std::string result;  // a blob, when it is done
   std::uint64_t result_bytes = 0;
   std::optional<Fault> fault;  // why there is no result
 };
@@ -79,8 +80,9 @@ struct SessionRecord {
   std::map<std::string, JobRecord> jobs;               // by job id
   std::uint64_t revision = 1;  // grows by one with every change but that of `expires`
 
-  // The blobs that it names.
+  // The blobs that it names, and their bytes; one that is named twice counts twice.
   std::set<std::string> Blobs() const;
+  std::size_t BlobBytes() const;
 };
 
 // Two records of one key with equal versions are the same record.

@@ -122,8 +122,7 @@ Result<std::optional<RecordVersion>> RedisSpecStore::Version(const SessionKey& k
 
 Result<bool> RedisSpecStore::Put(const SessionRecord& record) {
   TRY(auto text, EncodeRecord(record));
-  std::size_t bytes = text.size();
-  for (const auto& [id, mesh] : record.meshes) bytes += mesh.bytes;
+  const std::size_t bytes = text.size() + record.BlobBytes();
   const SessionKey& key = record.key;
   auto reply =
       pool_.Run(scripts_.put, KeysOf(key),

@@ -127,8 +127,7 @@ SqliteCode WriteRow(Sqlite& database, const SessionRow& row, const SessionRecord
                     std::int64_t number) {
   const auto meshes = static_cast<std::int64_t>(record.meshes.size());
   const auto handle_sets = static_cast<std::int64_t>(record.handle_sets.size());
-  auto bytes = static_cast<std::int64_t>(row.text.size());
-  for (const auto& [id, mesh] : record.meshes) bytes += static_cast<std::int64_t>(mesh.bytes);
+  const auto bytes = static_cast<std::int64_t>(row.text.size() + record.BlobBytes());
   if (number == 0) {
     Query add(database,
               "INSERT INTO sessions (owner, id, revision, expires, sum, record, meshes, "

@@ -67,6 +67,7 @@ class FlattenJobsTest : public ::testing::Test {
 
   FlattenJobs& jobs() { return engine_->flatten_jobs; }
   SessionRegistry& sessions() { return engine_->sessions; }
+  const store::Stores& stores() { return engine_->stores; }
 
   Result<JobView> Submit(const Caller& caller, const std::string& job, const std::string& request) {
     return jobs().Submit(caller, "s", job, request, 5);
@@ -226,6 +227,37 @@ TEST_F(FlattenJobsTest, WhoListensHearsOfTheEnd) {
       &listening));
   Let();
   EXPECT_EQ(told.get_future().wait_for(testing::kLongest), std::future_status::ready);
+}
+
+TEST_F(FlattenJobsTest, RequestsAndResultsAreBytesOfTheirOwner) {
+  Let();
+  const std::string request(10'000, 'x');
+  const auto stored = [&] { return stores().specs->UsageOf("ann")->bytes; };
+  const std::size_t before = stored();
+  ASSERT_TRUE(Submit(kAnn, "a", request));
+  EXPECT_TRUE(Ends(kAnn, "a"));
+  EXPECT_GE(stored(), before + 30'000);
+  EXPECT_LT(stored(), before + 31'000);
+
+  Caller small = kAnn;
+  small.limits.max_stored_bytes = stored() + 5'000;
+  const auto refused = Submit(small, "b", request);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, FaultKind::kLimitExceeded);
+  EXPECT_EQ(DetailOf(refused.error(), "quota"), "max_stored_bytes_per_owner");
+  EXPECT_EQ(jobs().Look(kAnn, "s", "b").error().kind, FaultKind::kNotFound);
+
+  // Room for the request and none for the result, then for both.
+  small.limits.max_stored_bytes = stored() + 15'000;
+  ASSERT_TRUE(Submit(small, "b", request));
+  EXPECT_TRUE(Ends(kAnn, "b"));
+  const auto result = ResultOf(kAnn, "b");
+  ASSERT_FALSE(result);
+  EXPECT_EQ(DetailOf(result.error(), "quota"), "max_stored_bytes_per_owner");
+  small.limits.max_stored_bytes = stored() + 25'000;
+  ASSERT_TRUE(Submit(small, "b", request));
+  EXPECT_TRUE(Ends(kAnn, "b"));
+  EXPECT_EQ(ResultOf(kAnn, "b", 100'000).value_or("").size(), 20'000u);
 }
 
 TEST_F(FlattenJobsTest, ASessionHasRoomForSoMany) {

@@ -150,6 +150,12 @@ TEST_P(ContractTest, CountsFollowEveryChange) {
   EXPECT_GE(usage.bytes, 5'000'000u);
   EXPECT_LT(usage.bytes, 5'010'000u);
   EXPECT_EQ(specs().Count(), 3u);
+  more = Next(more);
+  more.jobs["flat"] = {std::string(64, 'c'), 2'000'000, std::string(64, 'd'), 1'000'000, {}};
+  EXPECT_EQ(specs().Put(more), true);
+  usage = *specs().UsageOf("ann");
+  EXPECT_GE(usage.bytes, 8'000'000u) << "of jobs too";
+  EXPECT_LT(usage.bytes, 8'010'000u);
   EXPECT_EQ(specs().Remove({"ann", "b"}), true);
   usage = *specs().UsageOf("ann");
   EXPECT_EQ(usage.sessions, 1u);
