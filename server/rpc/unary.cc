@@ -1,7 +1,10 @@
 #include "server/rpc/unary.h"
 
 #include <atomic>
+#include <optional>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "core/base/try.h"
 #include "proto/convert/status.h"
@@ -26,6 +29,7 @@ class UnaryReactor final : public UnaryStream, public std::enable_shared_from_th
                std::unique_ptr<UnaryJob> job)
       : engine_(backend.engine),
         method_(method),
+        context_(context),
         job_(std::move(job)),
         log_(method.name, "", method.noisy, &engine_.metrics) {
     call_.cancel = CancelTokenOf(context);
@@ -92,6 +96,7 @@ class UnaryReactor final : public UnaryStream, public std::enable_shared_from_th
   }
 
   void Post(runtime::WorkerPool& lane, void (UnaryReactor::*step)()) {
+    if (&lane == &engine_.jobs) queued_ = Queued{lane.OutlookOf(call_.caller.owner).place, {}, {}};
     if (lane.TryPost([this, step] { (this->*step)(); },
                      {call_.caller.owner, 0, expected_.seconds})) {
       return;
@@ -152,6 +157,7 @@ class UnaryReactor final : public UnaryStream, public std::enable_shared_from_th
 
   void Work() {
     if (method_.cost != Cost::kTrivial) call_.queue_micros = waiting_.Micros();
+    if (queued_) queued_->waited_micros = queued_->since.Micros();
     const Status alive = call_.cancel.Check();
     End(alive ? OrOutOfMemory([&] { return Answer(); }) : alive);
   }
@@ -162,17 +168,34 @@ class UnaryReactor final : public UnaryStream, public std::enable_shared_from_th
     return Fail(FaultKind::kInternal, "The answer is too large for one message.");
   }
 
+  // What the caller of a job is told of its queue. Before the answer.
+  void TellOfQueue() {
+    if (!queued_ || !queued_->waited_micros) return;
+    context_->AddTrailingMetadata(kQueuePlace, fmt::format("{}", queued_->place));
+    context_->AddTrailingMetadata(kQueueWait,
+                                  fmt::format("{:.1f}", 1e-3 * *queued_->waited_micros));
+  }
+
   // The last thing that happens to this object.
   void End(const Status& status) {
     pass_.reset();
     room_.Release();
     log_.End(status);
+    if (status) TellOfQueue();
     if (status) return StartWriteAndFinish(&bytes_, grpc::WriteOptions(), grpc::Status::OK);
     Finish(convert::ToGrpcStatus(status.error()));
   }
 
+  // How the call fared in the queue of jobs.
+  struct Queued {
+    std::size_t place = 0;  // when it was accepted
+    runtime::WallTimer since;
+    std::optional<double> waited_micros;  // when it has begun
+  };
+
   app::Engine& engine_;
   const Method method_;
+  grpc::CallbackServerContext* const context_;
   const std::unique_ptr<UnaryJob> job_;
   std::shared_ptr<UnaryReactor> self_;  // from Start until OnDone
   grpc::ByteBuffer bytes_;              // the request, then the answer; gRPC's meanwhile
@@ -183,6 +206,7 @@ class UnaryReactor final : public UnaryStream, public std::enable_shared_from_th
   app::DerivedCache::Reservation room_;  // for the request
   app::Gate::Pass pass_;
   Expected expected_;
+  std::optional<Queued> queued_;
   RpcLog log_;
   runtime::WallTimer waiting_;
 };

@@ -1,6 +1,6 @@
-// The methods of a service, and the unary call: who asks → the request → where it runs → the handler
-// → the answer. A service names its methods with what they cost, and each unary call goes through
-// RunUnary.
+// The methods of a service, and the unary call: who asks → the request → where it runs → the
+// handler → the answer. A service names its methods with what they cost, and each unary call goes
+// through RunUnary.
 //
 // For gRPC it is a stream of one message each way: so it is asked who is calling before a byte of
 // the request is read, the request may be waited for as long as we like, and messages are taken
@@ -103,11 +103,16 @@ class UnaryJob {
 
 using UnaryStream = grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>;
 
+// In the trailing metadata of the answer to a call that went through the queue of jobs: how many
+// calls of its owner were before it there, and how many milliseconds it waited.
+inline constexpr const char* kQueuePlace = "x-arapd-queue-place";
+inline constexpr const char* kQueueWait = "x-arapd-queue-wait-ms";
+
 // Finishes the call with the status of its work. A caller who is refused sends no request, takes no
 // gate and no lane and looks nothing up; a full lane answers kOverloaded and a shut gate
 // kLimitExceeded, with what waits before it and for how long; a request that there is no memory for
-// is kLimitExceeded, one that takes too long to arrive kDeadlineExceeded, and a call that its caller
-// has given up before it started is not begun.
+// is kLimitExceeded, one that takes too long to arrive kDeadlineExceeded, and a call that its
+// caller has given up before it started is not begun.
 UnaryStream* RunUnary(const Backend& backend, const Method& method,
                       grpc::CallbackServerContext* context, std::unique_ptr<UnaryJob> job);
 
