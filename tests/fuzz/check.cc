@@ -6,6 +6,7 @@
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
+#include <grpcpp/support/status.h>
 
 namespace arap::fuzz {
 namespace {
@@ -61,6 +62,17 @@ void CheckFinite(std::span<const Complex> points, const char* what) {
 
 void CheckFinite(double number, const char* what) {
   Promise(std::isfinite(number), "finite in, finite out", what);
+}
+
+bool IsBug(int code, const std::string& details) {
+  return code == grpc::INTERNAL && details.find("NUMERICAL") == std::string::npos;
+}
+
+void CheckEnd(const grpc::Status& status) {
+  Promise(status.error_code() != grpc::DEADLINE_EXCEEDED, "a stream ends", "hangs");
+  Promise(!IsBug(status.error_code(), status.error_details()), "no input shows a bug",
+          status.error_message().c_str());
+  Promise(status.ok() || !status.error_message().empty(), "a fault has a message");
 }
 
 void CheckFault(const Fault& fault) {

@@ -220,6 +220,28 @@ void PutFlattening(const Seeds& seeds) {
   }
 }
 
+// Methods as request_targets.cc has them.
+void PutJobs(const Seeds& seeds) {
+  v1::SubmitFlattenRequest submit;
+  *submit.mutable_flatten() = FlattenRequestOf(false);
+  const std::string begin = Call(1, submit);
+  v1::GetResultRequest result;
+  v1::CancelJobRequest cancel;
+  v1::WatchJobRequest watch;
+  v1::DownloadResultRequest download;
+  seeds.Put("flatten", "job", begin + Call(4, watch) + Call(2, result) + Call(5, download));
+  seeds.Put("flatten", "job_cancelled",
+            begin + Call(3, cancel) + Call(4, watch) + Call(2, result) + begin);
+  seeds.Put("flatten", "job_early", Call(4, watch) + begin + Call(2, result) + Call(5, download));
+  result.set_max_response_bytes(10);
+  download.set_offset(7);
+  seeds.Put("flatten", "job_pieces",
+            begin + begin + Call(4, watch) + Call(2, result) + Call(5, download));
+  // A closed surface without a cut fails.
+  *submit.mutable_flatten() = FlattenRequestOf(true);
+  seeds.Put("flatten", "job_failed", Call(1, submit) + Call(4, watch) + Call(2, result) + begin);
+}
+
 // Events as policy_driver.cc reads them: the first two bytes choose the delivery and open.
 void PutPolicy(const Seeds& seeds) {
   const std::string update("\x0b\x07\x01\x01\x70\x80\x00", 7);  // one handle moves
@@ -272,6 +294,7 @@ int main(int argc, char** argv) {
   arap::fuzz::PutDeformation(seeds);
   arap::fuzz::PutStreams(seeds);
   arap::fuzz::PutFlattening(seeds);
+  arap::fuzz::PutJobs(seeds);
   arap::fuzz::PutCore(seeds);
   arap::fuzz::PutPolicy(seeds);
   seeds.Put("server", "info", arap::fuzz::Call(0, arap::v1::GetServerInfoRequest()));

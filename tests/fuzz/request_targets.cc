@@ -1,8 +1,9 @@
-// The unary calls, by family.
+// The calls with one request, by family.
+#include <chrono>
 #include <span>
 
 #include <arap/v1/deformation_service.pb.h>
-#include <arap/v1/flattening_service.pb.h>
+#include <arap/v1/flattening_service.grpc.pb.h>
 #include <arap/v1/server_service.pb.h>
 #include <grpcpp/support/status.h>
 
@@ -28,6 +29,9 @@ void FillIn(Request& request) {
   if constexpr (requires { request.set_handle_set_id(""); }) {
     if (request.handle_set_id().empty()) request.set_handle_set_id(kSet);
   }
+  if constexpr (requires { request.set_job_id(""); }) {
+    if (request.job_id().empty()) request.set_job_id("j");
+  }
 }
 
 template <class Request, class Response>
@@ -52,6 +56,24 @@ void Handle(std::span<const std::uint8_t> bytes, bool fill_in) {
   const grpc::Status wire = convert::ToGrpcStatus(status.error());
   Promise(!wire.ok(), "a fault is no success on the wire");
   Promise(!wire.error_details().empty(), "a fault has details on the wire");
+}
+
+template <class Request, class Response>
+using Reading = std::unique_ptr<grpc::ClientReader<Response>> (v1::FlatteningService::Stub::*)(
+    grpc::ClientContext*, const Request&);
+
+// A call with an answer in pieces, over the channel within the process.
+template <class Request, class Response, Reading<Request, Response> kReading>
+void ReadAll(std::span<const std::uint8_t> bytes, bool fill_in) {
+  Request request;
+  if (!request.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return;
+  if (fill_in) FillIn(request);
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(5));
+  const auto reader = (World::Get().flattening().*kReading)(&context, request);
+  Response response;
+  while (reader->Read(&response)) CheckFinite(response);
+  CheckEnd(reader->Finish());
 }
 
 void RunCalls(std::span<const Method> methods, const std::uint8_t* data, std::size_t size) {
@@ -103,8 +125,15 @@ void Deform(const std::uint8_t* data, std::size_t size) {
 }
 
 void Flatten(const std::uint8_t* data, std::size_t size) {
+  using Stub = v1::FlatteningService::Stub;
   static constexpr Method kMethods[] = {
-      Handle<v1::FlattenRequest, v1::FlattenResponse, rpc::Flatten>};
+      Handle<v1::FlattenRequest, v1::FlattenResponse, rpc::Flatten>,
+      Handle<v1::SubmitFlattenRequest, v1::SubmitFlattenResponse, rpc::SubmitFlatten>,
+      Handle<v1::GetResultRequest, v1::GetResultResponse, rpc::GetResult>,
+      Handle<v1::CancelJobRequest, v1::CancelJobResponse, rpc::CancelJob>,
+      ReadAll<v1::WatchJobRequest, v1::WatchJobResponse, &Stub::WatchJob>,
+      ReadAll<v1::DownloadResultRequest, v1::DownloadResultResponse, &Stub::DownloadResult>,
+  };
   RunCalls(kMethods, data, size);
 }
 

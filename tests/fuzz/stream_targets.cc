@@ -16,18 +16,6 @@ namespace {
 
 constexpr int kMaxMessages = 24;
 
-// NUMERICAL is INTERNAL too, and no bug: extreme numbers may have no finite answer.
-bool IsBug(int code, const std::string& details) {
-  return code == grpc::INTERNAL && details.find("NUMERICAL") == std::string::npos;
-}
-
-void CheckEnd(const grpc::Status& status) {
-  Promise(status.error_code() != grpc::DEADLINE_EXCEEDED, "a stream ends", "hangs");
-  Promise(!IsBug(status.error_code(), status.error_details()), "no input shows a bug",
-          status.error_message().c_str());
-  Promise(status.ok() || !status.error_message().empty(), "a fault has a message");
-}
-
 // Writes one message after the other and reads what comes, both at once.
 class Conversation final
     : public grpc::ClientBidiReactor<v1::StreamDeformRequest, v1::StreamDeformResponse> {

@@ -8,7 +8,8 @@ namespace arap::fuzz {
 
 // Up to eight calls of one family, each: one byte that chooses the method, with its highest bit set
 // to fill in the session, mesh and set that exist; the length of the request in two bytes; the
-// request as on the wire. Handled without sockets by the handlers of server/rpc.
+// request as on the wire. Handled without sockets by the handlers of server/rpc; where the answer
+// comes in pieces, over a channel within the process.
 void Session(const std::uint8_t* data, std::size_t size);
 void Mesh(const std::uint8_t* data, std::size_t size);
 void Handles(const std::uint8_t* data, std::size_t size);

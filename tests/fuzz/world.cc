@@ -101,17 +101,27 @@ World::World()
   Make();
 }
 
-v1::DeformationService::Stub& World::deformation() {
-  if (!deformation_) {
-    grpc::ServerBuilder builder;
-    for (const rpc::NamedService& service : services_) {
-      builder.RegisterService(service.service.get());
-    }
-    server_ = builder.BuildAndStart();
-    Promise(server_ != nullptr, "there is a server without sockets");
-    deformation_ = v1::DeformationService::NewStub(server_->InProcessChannel({}));
+void World::Serve() {
+  if (server_) return;
+  grpc::ServerBuilder builder;
+  for (const rpc::NamedService& service : services_) {
+    builder.RegisterService(service.service.get());
   }
+  server_ = builder.BuildAndStart();
+  Promise(server_ != nullptr, "there is a server without sockets");
+  const auto channel = server_->InProcessChannel({});
+  deformation_ = v1::DeformationService::NewStub(channel);
+  flattening_ = v1::FlatteningService::NewStub(channel);
+}
+
+v1::DeformationService::Stub& World::deformation() {
+  Serve();
   return *deformation_;
+}
+
+v1::FlatteningService::Stub& World::flattening() {
+  Serve();
+  return *flattening_;
 }
 
 void World::Make() {

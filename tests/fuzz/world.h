@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <arap/v1/deformation_service.grpc.pb.h>
+#include <arap/v1/flattening_service.grpc.pb.h>
 #include <grpcpp/grpcpp.h>
 
 #include "server/engine.h"
@@ -33,7 +34,9 @@ class World {
 
   app::Engine& engine() { return engine_; }
   rpc::Call call() const { return {}; }
+  // Over a channel within the process.
   v1::DeformationService::Stub& deformation();
+  v1::FlatteningService::Stub& flattening();
 
   // As it was before any call: other sessions gone, and this one made anew if it has changed.
   void Reset();
@@ -41,6 +44,8 @@ class World {
  private:
   World();
   void Make();
+  // Serves within the process, if that is not so yet.
+  void Serve();
 
   runtime::SystemClock clock_;
   rpc::Identity identity_;
@@ -48,6 +53,7 @@ class World {
   std::vector<rpc::NamedService> services_;
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<v1::DeformationService::Stub> deformation_;
+  std::unique_ptr<v1::FlatteningService::Stub> flattening_;
   app::Session::Record made_;
 };
 
