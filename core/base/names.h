@@ -19,6 +19,10 @@ inline constexpr std::string_view kNameRule = "1 to 128 characters of [A-Za-z0-9
 // The owner of callers without an identity, on servers that require none. No token can name it.
 inline constexpr const char* kNobody = "anonymous";
 
+// Who answers for an owner: of the owner "GATEWAY/NAME" the gateway, else the owner itself. Equal
+// parts of what all share are reckoned by it, so that many users do not make a part each.
+inline std::string_view PayerOf(std::string_view owner) { return owner.substr(0, owner.find('/')); }
+
 // Whether it is as kNameRule says.
 bool IsName(std::string_view name);
 

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/base/names.h"
 #include "server/budget/faults.h"
 
 namespace arap::app {
@@ -49,15 +50,26 @@ DerivedCache::Reservation DerivedCache::Hold(const std::string& owner, std::size
   if (bytes == 0) return {};
   const MutexLock lock(&mutex_);
   reserved_ += bytes;
-  owner_bytes_[owner] += bytes;
+  CountLocked(owner, bytes);
   return Reservation(this, owner, bytes);
 }
 
 void DerivedCache::GiveBack(const std::string& owner, std::size_t bytes) {
   const MutexLock lock(&mutex_);
   reserved_ -= bytes;
+  UncountLocked(owner, bytes);
+}
+
+void DerivedCache::CountLocked(const std::string& owner, std::size_t bytes) {
+  owner_bytes_[owner] += bytes;
+  payer_bytes_[std::string(PayerOf(owner))] += bytes;
+}
+
+void DerivedCache::UncountLocked(const std::string& owner, std::size_t bytes) {
   const auto found = owner_bytes_.find(owner);
   if ((found->second -= bytes) == 0) owner_bytes_.erase(found);
+  const auto payer = payer_bytes_.find(PayerOf(owner));
+  if ((payer->second -= bytes) == 0) payer_bytes_.erase(payer);
 }
 
 Result<DerivedCache::Reservation> DerivedCache::Reserve(const Caller& caller, std::size_t bytes) {
@@ -81,31 +93,41 @@ Result<DerivedCache::Reservation> DerivedCache::Reserve(const Caller& caller, st
     return Fail(bytes > limit ? ForEver(std::move(full)) : std::move(full));
   };
   // What could never fit must not push others out.
-  if (bytes > most ||
-      !MakeRoomLocked(
+  if (bytes > most) return refuse("max_bytes_per_owner", most);
+  if (caller.gateway && bytes > caller.gateway->limits.max_bytes) {
+    return refuse("max_bytes_per_gateway", caller.gateway->limits.max_bytes);
+  }
+  if (bytes > max_bytes_) return refuse("max_bytes", max_bytes_);
+  if (!MakeRoomLocked(
           owner_fits, [&](const Entry& e) { return e.key.owner == caller.owner; }, gone)) {
     return refuse("max_bytes_per_owner", most);
   }
-  if (caller.gateway) {
-    const auto& [gateway, limits] = *caller.gateway;
-    const auto gateway_fits = [&, &gateway = gateway, &limits = limits] {
-      mutex_.AssertHeld();
-      const std::size_t used = UsedUnderLocked(gateway);
-      return used <= limits.max_bytes && bytes <= limits.max_bytes - used;
-    };
-    const auto counts = [&gateway = gateway](const Entry& e) {
-      return BelongsTo(e.key.owner, gateway);
-    };
-    if (bytes > limits.max_bytes || !MakeRoomLocked(gateway_fits, counts, gone)) {
-      return refuse("max_bytes_per_gateway", limits.max_bytes);
-    }
+  if (caller.gateway && !MakeRoomOfGatewayLocked(*caller.gateway, bytes, gone)) {
+    return refuse("max_bytes_per_gateway", caller.gateway->limits.max_bytes);
   }
-  if (bytes > max_bytes_ || !MakeRoomOfAllLocked(all_fit, gone)) {
-    return refuse("max_bytes", max_bytes_);
-  }
+  if (!MakeRoomOfAllLocked(all_fit, gone)) return refuse("max_bytes", max_bytes_);
   reserved_ += bytes;
-  owner_bytes_[caller.owner] += bytes;
+  CountLocked(caller.owner, bytes);
   return Reservation(this, caller.owner, bytes);
+}
+
+bool DerivedCache::MakeRoomOfGatewayLocked(const Gateway& gateway, std::size_t bytes,
+                                           Garbage& gone) {
+  const std::size_t most = gateway.limits.max_bytes;
+  const auto fits = [&] {
+    mutex_.AssertHeld();
+    const std::size_t used = UsedUnderLocked(gateway.owner);
+    return used <= most && bytes <= most - used;
+  };
+  const auto belongs = [&gateway](const Entry& e) { return BelongsTo(e.key.owner, gateway.owner); };
+  std::size_t users = 0;
+  for (const auto& [owner, has] : owner_bytes_) users += BelongsTo(owner, gateway.owner) ? 1 : 0;
+  const auto more_than_a_part = [&](const Entry& e) {
+    mutex_.AssertHeld();
+    const auto has = owner_bytes_.find(e.key.owner);
+    return belongs(e) && has != owner_bytes_.end() && has->second > most / users;
+  };
+  return MakeRoomLocked(fits, more_than_a_part, gone) || MakeRoomLocked(fits, belongs, gone);
 }
 
 bool DerivedCache::MakeRoomLocked(const std::function<bool()>& enough,
@@ -130,8 +152,7 @@ void DerivedCache::RemoveLocked(Entries::iterator entry, Garbage& gone) {
   Held& held = held_[static_cast<std::size_t>(entry->key.kind)];
   --held.entries;
   held.bytes -= entry->bytes;
-  const auto owner = owner_bytes_.find(entry->key.owner);
-  if ((owner->second -= entry->bytes) == 0) owner_bytes_.erase(owner);
+  UncountLocked(entry->key.owner, entry->bytes);
   if (entry->value.use_count() > 1) {
     leaving_.push_back({entry->key.owner, entry->value, entry->bytes});
   }
@@ -169,7 +190,8 @@ std::size_t DerivedCache::UsedLocked(const std::string& owner) const {
 }
 
 std::size_t DerivedCache::UsedUnderLocked(const std::string& gateway) const {
-  std::size_t used = SumOf(owner_bytes_, gateway);
+  const auto found = payer_bytes_.find(gateway);
+  std::size_t used = found == payer_bytes_.end() ? 0 : found->second;
   for (const Leaving& one : leaving_) {
     used += BelongsTo(one.owner, gateway) && !one.value.expired() ? one.bytes : 0;
   }
@@ -209,7 +231,7 @@ DerivedCache::Any DerivedCache::KeepAny(const DerivedKey& key, Any value, std::s
   Held& held = held_[static_cast<std::size_t>(key.kind)];
   ++held.entries;
   held.bytes += bytes;
-  owner_bytes_[key.owner] += bytes;
+  CountLocked(key.owner, bytes);
   if (capped) {
     // The cap counts places, so that one in use goes too.
     while (held.entries > surfaces_.entries || held.bytes > surfaces_.bytes) {
@@ -221,22 +243,32 @@ DerivedCache::Any DerivedCache::KeepAny(const DerivedKey& key, Any value, std::s
 }
 
 DerivedCache::Entries::iterator DerivedCache::SurplusLocked(DerivedKind kind, bool by_bytes) {
-  std::map<std::string_view, std::size_t> has;
-  for (const Entry& entry : entries_) {
-    if (entry.key.kind == kind) has[entry.key.owner] += by_bytes ? entry.bytes : 1;
-  }
-  const auto most = std::max_element(
-      has.begin(), has.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  // Who has most of those that `counts` says yes to, by the name that `of` gives an owner.
+  const auto most = [&](auto of, auto counts) {
+    std::map<std::string_view, std::size_t> has;
+    for (const Entry& entry : entries_) {
+      if (entry.key.kind == kind && counts(entry)) {
+        has[of(entry.key.owner)] += by_bytes ? entry.bytes : 1;
+      }
+    }
+    return std::max_element(has.begin(), has.end(),
+                            [](const auto& a, const auto& b) { return a.second < b.second; })
+        ->first;
+  };
+  const std::string_view payer = most(PayerOf, [](const Entry&) { return true; });
+  const std::string_view owner =
+      most([](const std::string& name) { return std::string_view(name); },
+           [payer](const Entry& entry) { return PayerOf(entry.key.owner) == payer; });
   auto oldest = std::prev(entries_.end());
-  while (oldest->key.kind != kind || oldest->key.owner != most->first) --oldest;
+  while (oldest->key.kind != kind || oldest->key.owner != owner) --oldest;
   return oldest;
 }
 
 bool DerivedCache::MakeRoomOfAllLocked(const std::function<bool()>& enough, Garbage& gone) {
   const auto more_than_a_part = [this](const Entry& entry) {
     mutex_.AssertHeld();
-    const auto has = owner_bytes_.find(entry.key.owner);
-    return has != owner_bytes_.end() && has->second > max_bytes_ / owner_bytes_.size();
+    const auto has = payer_bytes_.find(PayerOf(entry.key.owner));
+    return has != payer_bytes_.end() && has->second > max_bytes_ / payer_bytes_.size();
   };
   return MakeRoomLocked(enough, more_than_a_part, gone) ||
          MakeRoomLocked(

@@ -160,7 +160,13 @@ class DerivedCache {
   // The entry of this kind that has to go when there are too many, or too many bytes, of it.
   Entries::iterator SurplusLocked(DerivedKind kind, bool by_bytes)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool MakeRoomOfGatewayLocked(const Gateway& gateway, std::size_t bytes, Garbage& gone)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void GiveBack(const std::string& owner, std::size_t bytes);
+  void CountLocked(const std::string& owner, std::size_t bytes)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void UncountLocked(const std::string& owner, std::size_t bytes)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const std::size_t max_bytes_;
   const Cap surfaces_;
@@ -173,6 +179,8 @@ class DerivedCache {
   std::array<Held, kDerivedKinds> held_ ABSL_GUARDED_BY(mutex_);
   // Of entries and reservations.
   std::map<std::string, std::size_t> owner_bytes_ ABSL_GUARDED_BY(mutex_);
+  // The same for a gateway and its users together (PayerOf).
+  std::map<std::string, std::size_t, std::less<>> payer_bytes_ ABSL_GUARDED_BY(mutex_);
   std::size_t reserved_ ABSL_GUARDED_BY(mutex_) = 0;
   std::vector<Leaving> leaving_ ABSL_GUARDED_BY(mutex_);
 };

@@ -8,6 +8,7 @@
 
 #include "arap/base/result.h"
 #include "core/base/mutex.h"
+#include "core/base/names.h"
 #include "server/budget/faults.h"
 
 namespace arap::app {
@@ -29,32 +30,33 @@ class Gate {
       if (this == &other) return *this;
       reset();
       gate_ = std::exchange(other.gate_, nullptr);
-      owner_ = std::move(other.owner_);
+      payer_ = std::move(other.payer_);
       return *this;
     }
     ~Pass() { reset(); }
     void reset() {
-      if (Gate* gate = std::exchange(gate_, nullptr)) gate->Leave(owner_);
+      if (Gate* gate = std::exchange(gate_, nullptr)) gate->Leave(payer_);
     }
 
    private:
     friend class Gate;
-    Pass(Gate* gate, std::string owner) : gate_(gate), owner_(std::move(owner)) {}
+    Pass(Gate* gate, std::string payer) : gate_(gate), payer_(std::move(payer)) {}
     Gate* gate_ = nullptr;
-    std::string owner_;
+    std::string payer_;
   };
 
   // kLimitExceeded with the quota when as many are inside as may be, and of these at least an equal
-  // part is the owner's.
+  // part is the owner's, or its gateway's.
   Result<Pass> Enter(const std::string& owner) {
+    const std::string payer(PayerOf(owner));
     const MutexLock lock(&mutex_);
-    const auto found = by_owner_.find(owner);
-    const std::size_t own = found == by_owner_.end() ? 0 : found->second;
-    const std::size_t owners = by_owner_.size() + (own == 0 ? 1 : 0);
-    if (inside_ >= limit_ && own >= limit_ / owners) return Fail(QuotaFull(quota_, limit_));
+    const auto found = by_payer_.find(payer);
+    const std::size_t own = found == by_payer_.end() ? 0 : found->second;
+    const std::size_t payers = by_payer_.size() + (own == 0 ? 1 : 0);
+    if (inside_ >= limit_ && own >= limit_ / payers) return Fail(QuotaFull(quota_, limit_));
     ++inside_;
-    ++by_owner_[owner];
-    return Pass(this, owner);
+    ++by_payer_[payer];
+    return Pass(this, payer);
   }
 
   std::size_t inside() const {
@@ -63,18 +65,18 @@ class Gate {
   }
 
  private:
-  void Leave(const std::string& owner) {
+  void Leave(const std::string& payer) {
     const MutexLock lock(&mutex_);
     --inside_;
-    const auto found = by_owner_.find(owner);
-    if (--found->second == 0) by_owner_.erase(found);
+    const auto found = by_payer_.find(payer);
+    if (--found->second == 0) by_payer_.erase(found);
   }
 
   const char* const quota_;
   const std::size_t limit_;
   mutable Mutex mutex_;
   std::size_t inside_ ABSL_GUARDED_BY(mutex_) = 0;
-  std::map<std::string, std::size_t> by_owner_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, std::size_t> by_payer_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace arap::app

@@ -60,7 +60,7 @@ OwnerQuotas::Ahead OwnerQuotas::AheadLocked(std::uint64_t number) const {
     if (other == number) break;
     const store::Usage part = CompetingPart(taken.more, mine.more);
     ahead.all.sessions += part.sessions;
-    if (!mine.gateway.empty() && taken.gateway == mine.gateway) ahead.gateway += part;
+    if (!mine.gateway.empty() && BelongsTo(taken.owner, mine.gateway)) ahead.gateway += part;
     if (taken.owner == mine.owner) ahead.owner += part;
   }
   return ahead;

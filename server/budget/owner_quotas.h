@@ -25,7 +25,7 @@ namespace arap::app {
 //   - Such a place may be counted twice, once by the store already. Therefore nobody is refused
 //     because of it: the call waits until the earlier places have ended and counts again. So a call
 //     waits for another one only when the two compete for the last places, and for another owner's
-//     only when these are the last of the server.
+//     only when these are the last of the server, or of the gateway that both belong to.
 // Other processes that share the store are counted by what they have stored, not by their places.
 class OwnerQuotas {
  public:

@@ -93,7 +93,9 @@ Result<app::Caller> Identify(const grpc::CallbackServerContext& context, const I
 
 Result<app::Caller> CallerOf(const grpc::CallbackServerContext& context, const Identity& identity) {
   auto caller = Identify(context, identity);
-  if (caller && identity.connections != nullptr) identity.connections->Known(context.peer());
+  // A gateway with a bad name for its user has an identity, too.
+  const bool known = caller || caller.error().kind != FaultKind::kUnauthenticated;
+  if (known && identity.connections != nullptr) identity.connections->Known(context.peer());
   return caller;
 }
 

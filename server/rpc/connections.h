@@ -19,6 +19,7 @@
 #include "core/base/mutex.h"
 #include "server/rpc/probation.h"
 #include "server/runtime/clock.h"
+#include "server/runtime/token_bucket.h"
 
 struct sockaddr_storage;
 
@@ -134,7 +135,7 @@ class Connections {
     std::uint64_t cookie = 0;  // the kernel's name of the socket
     std::string address;       // what is counted by; empty: a unix socket
     runtime::Clock::Steady since;
-    app::TokenBucket strange;       // for calls that are not let in
+    runtime::TokenBucket strange;   // for calls that are not let in
     std::size_t strange_calls = 0;  // since the last one that was
     bool known = false;
     bool slow = false;  // little of what it sends is taken from the network at a time

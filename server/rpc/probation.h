@@ -9,7 +9,7 @@
 #include <string>
 
 #include "server/runtime/clock.h"
-#include "server/streams/admission.h"
+#include "server/runtime/token_bucket.h"
 
 namespace arap::rpc {
 
@@ -25,7 +25,7 @@ class Probation {
   // A stranger of this address asked for too much.
   void Offended(const std::string& address, Time now) {
     if (on_.size() >= kMost && !on_.contains(address)) ForgetOne();
-    on_.try_emplace(address, Address{now, app::TokenBucket(rate_, kAtOnce, now)})
+    on_.try_emplace(address, Address{now, runtime::TokenBucket(rate_, kAtOnce, now)})
         .first->second.end = now + length_;
   }
 
@@ -51,7 +51,7 @@ class Probation {
 
   struct Address {
     Time end;
-    app::TokenBucket connections;
+    runtime::TokenBucket connections;
   };
 
   void ForgetOne() {

@@ -13,6 +13,7 @@
 
 #include "core/base/names.h"
 #include "proto/convert/status.h"
+#include "server/access/caller.h"
 #include "server/runtime/metrics.h"
 
 namespace arap::rpc {
@@ -67,7 +68,7 @@ RpcLog::RpcLog(const char* method, const std::string& session_id, bool noisy,
                runtime::Metrics* metrics)
     : method_(method), session_id_(Printable(session_id)), noisy_(noisy), metrics_(metrics) {}
 
-void RpcLog::Owner(const std::string& owner) { owner_ = Printable(owner); }
+void RpcLog::Owner(const std::string& owner) { owner_ = app::IsOwner(owner) ? owner : "?"; }
 
 void RpcLog::Session(const std::string& session_id) { session_id_ = Printable(session_id); }
 

@@ -11,8 +11,11 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
+
+#include "core/base/names.h"
 
 namespace arap::runtime {
 
@@ -50,12 +53,17 @@ class FairQueue {
   static double Paid(const Share& share) { return std::min(share.seconds, kSlice); }
 
   // Whether another entry of this owner fits: there is room for `bound` of all owners together, and
-  // when they are full, still for an equal part of it.
+  // when they are full, still for an equal part of it. A gateway and its users have one part.
   bool HasRoom(const std::string& owner, std::size_t bound) const {
     if (counted_ < bound) return true;
-    const auto found = owners_.find(owner);
-    const std::size_t own = found == owners_.end() ? 0 : found->second.counted;
-    return own < bound / (ready_.size() + (found == owners_.end() || !found->second.waits ? 1 : 0));
+    std::size_t own = 0;
+    std::set<std::string_view> payers{PayerOf(owner)};
+    for (const auto& [name, each] : owners_) {
+      if (!each.waits) continue;
+      payers.insert(PayerOf(name));
+      if (PayerOf(name) == PayerOf(owner)) own += each.counted;
+    }
+    return own < bound / payers.size();
   }
 
   // With `counted` it counts for HasRoom.

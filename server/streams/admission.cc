@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "core/base/names.h"
+
 namespace arap::app {
 
 void Admission::DropSleepersLocked(Time now) {
@@ -16,15 +18,15 @@ Status Admission::FitsLocked(const std::string& owner, double share) const {
   double all = 0;
   double own = 0;
   bool only = true;
-  std::set<std::string_view> owners{owner};
+  std::set<std::string_view> payers{PayerOf(owner)};
   for (const auto& [stream, awake] : awake_) {
     all += awake.share;
-    owners.insert(awake.owner);
-    if (awake.owner != owner) continue;
+    payers.insert(PayerOf(awake.owner));
+    if (PayerOf(awake.owner) != PayerOf(owner)) continue;
     own += awake.share;
     only = false;
   }
-  const double part = capacity_ / static_cast<double>(owners.size());
+  const double part = capacity_ / static_cast<double>(payers.size());
   const double room = std::max(capacity_ - all, part - own);
   if (only || share <= room) return {};
   const double fits = std::max(room, 0.0) / kFloorFps * 1e3;

@@ -1,6 +1,5 @@
 // Admission: no stream makes the frames of the others late. Admission knows which streams are awake
-// and what each is entitled to, StreamPace what one stream asks for; a TokenBucket bounds how often
-// it is updated.
+// and what each is entitled to, StreamPace what one stream asks for.
 #pragma once
 
 #include <algorithm>
@@ -30,7 +29,7 @@ inline constexpr std::chrono::milliseconds kAwake{1'500};
 // entitled to nothing. A newcomer is refused only when
 //   - all together would be entitled to more than there is, and
 //   - its owner's would be entitled to more than an equal part, and it is not its owner's only one.
-// So no owner keeps another one out.
+// So no owner keeps another one out. A gateway and its users count as one owner.
 class Admission {
  public:
   using Time = runtime::Clock::Steady;
@@ -113,33 +112,6 @@ class StreamPace {
   Time began_{};  // of being awake
   Time last_{};   // update
   std::size_t updates_ = 0;
-};
-
-// So many a second, after a burst. Not thread-safe.
-class TokenBucket {
- public:
-  // A burst of as many as come in a second. A rate of 0 or less grants everything.
-  TokenBucket(double rate, runtime::Clock::Steady now) : TokenBucket(rate, rate, now) {}
-  TokenBucket(double rate, double burst, runtime::Clock::Steady now)
-      : rate_(rate), burst_(std::max(burst, 1.0)), tokens_(burst_), last_(now) {}
-
-  bool Take(runtime::Clock::Steady now) {
-    if (rate_ <= 0) return true;
-    tokens_ += rate_ * std::chrono::duration<double>(now - last_).count();
-    tokens_ = std::min(tokens_, burst_);
-    last_ = now;
-    if (tokens_ < 1) return false;
-    --tokens_;
-    return true;
-  }
-  // The burst is there again.
-  void Fill() { tokens_ = burst_; }
-
- private:
-  double rate_;
-  double burst_;
-  double tokens_;
-  runtime::Clock::Steady last_;
 };
 
 }  // namespace arap::app

@@ -45,6 +45,7 @@
 #include "arap/core/compiled_handles.h"
 #include "arap/model/limits.h"
 #include "server/runtime/clock.h"
+#include "server/runtime/token_bucket.h"
 #include "server/streams/admission.h"
 #include "server/streams/targets.h"
 
@@ -263,7 +264,7 @@ class StreamPolicy {
   bool reading_ = false;
   bool reads_done_ = false;
   runtime::Clock::Steady heard_;  // when the client last said something
-  TokenBucket rate_;
+  runtime::TokenBucket rate_;
   std::optional<StreamPace> pace_;     // since it was opened
   runtime::Clock::Steady said_awake_;  // when admission last heard of it
 

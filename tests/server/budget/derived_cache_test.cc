@@ -65,6 +65,35 @@ TEST_F(DerivedCacheTest, UsersOfAGatewayShareItsBytes) {
   EXPECT_EQ(refused.error().details.front().second, "max_bytes_per_gateway");
 }
 
+TEST_F(DerivedCacheTest, AmongTheUsersOfAGatewayWhoHasMoreThanAPartGivesRoomFirst) {
+  Keep("hub/mia", DerivedKind::kMesh, "small", 50);
+  Keep("hub/ben", DerivedKind::kMesh, "large", 400);
+  Caller caller = Owner("hub/cas");
+  caller.gateway = Gateway{"hub", {}};
+  caller.gateway->limits.max_bytes = 500;
+  EXPECT_TRUE(cache_.Reserve(caller, 100));
+  EXPECT_TRUE(Has("hub/mia", DerivedKind::kMesh, "small")) << "the oldest, and yet not it";
+  EXPECT_FALSE(Has("hub/ben", DerivedKind::kMesh, "large"));
+}
+
+TEST_F(DerivedCacheTest, AGatewayIsOneOwnerAmongOthers) {
+  Keep("ann", DerivedKind::kMesh, "hers", 300);
+  for (int i = 0; i < 60; ++i) {
+    Keep("hub/" + std::to_string(i), DerivedKind::kMesh, "m", 10);
+  }
+  EXPECT_TRUE(cache_.Reserve(Owner("cas"), 200));
+  EXPECT_TRUE(Has("ann", DerivedKind::kMesh, "hers")) << "the oldest, but less than a third";
+}
+
+TEST_F(DerivedCacheTest, WhatNeverFitsTheGatewayPushesNobodyOut) {
+  Keep("hub/mia", DerivedKind::kMesh, "m", 100);
+  Caller caller = Owner("hub/mia");
+  caller.gateway = Gateway{"hub", {}};
+  caller.gateway->limits.max_bytes = 500;
+  EXPECT_FALSE(cache_.Reserve(caller, 600));
+  EXPECT_TRUE(Has("hub/mia", DerivedKind::kMesh, "m"));
+}
+
 TEST_F(DerivedCacheTest, WhoHasMoreThanAPartGivesRoomFirst) {
   Keep("ann", DerivedKind::kMesh, "a", 100);
   Keep("ben", DerivedKind::kMesh, "b", 400);

@@ -170,6 +170,16 @@ TEST_F(FairQueueTest, AFullQueueHasRoomForThoseWithLessThanAnEqualPart) {
   EXPECT_FALSE(queue_.HasRoom("dan", 3)) << "an equal part that is less than one";
 }
 
+TEST_F(FairQueueTest, TheUsersOfAGatewayHaveOnePartOfAFullQueue) {
+  for (int i = 0; i < 8; ++i) Push("hub/" + std::to_string(i), 0, 1);
+  EXPECT_FALSE(queue_.HasRoom("hub/9", 8));
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_TRUE(queue_.HasRoom("ann", 8)) << i;
+    Push("ann", 0, 1);
+  }
+  EXPECT_FALSE(queue_.HasRoom("ann", 8));
+}
+
 TEST_F(FairQueueTest, SaysWhatANewcomerWouldFind) {
   EXPECT_EQ(queue_.OutlookOf("ann").place, 0u);
   for (int i = 0; i < 3; ++i) Push("ann", 0, 2);

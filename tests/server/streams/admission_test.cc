@@ -1,6 +1,9 @@
 // Admission: by load, by rate, by number.
 #include "server/streams/admission.h"
 
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "server/budget/gate.h"
@@ -66,6 +69,17 @@ TEST(AdmissionTest, NoOwnerKeepsAnotherOut) {
   EXPECT_FALSE(admission.MayOpen("ann", 0.01, kStart));
 }
 
+TEST(AdmissionTest, TheUsersOfAGatewayCountAsOneOwner) {
+  Admission admission(0.5, 2);
+  std::size_t next = 0;
+  while (admission.WakeUp(stream[next], "hub/" + std::to_string(next), 0.25, kStart)) ++next;
+  EXPECT_EQ(next, 4u) << "each is the only stream of its user, but not of the gateway";
+  ++next;
+  EXPECT_TRUE(admission.WakeUp(stream[next++], "ann", 0.25, kStart));
+  EXPECT_TRUE(admission.WakeUp(stream[next++], "ann", 0.25, kStart)) << "half is hers";
+  EXPECT_FALSE(admission.MayOpen("ann", 0.01, kStart));
+}
+
 TEST(AdmissionTest, AnIdleServerTakesTheLargestStream) {
   Admission admission(0.5, 1);
   EXPECT_TRUE(admission.WakeUp(stream[0], "ann", 1, kStart));
@@ -110,7 +124,7 @@ TEST(StreamPaceTest, LearnsWhatItsFramesTake) {
 
 TEST(TokenBucketTest, GrantsABurstOfAnotherSize) {
   auto now = Admission::Time();
-  TokenBucket bucket(2, 3, now);
+  runtime::TokenBucket bucket(2, 3, now);
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(bucket.Take(now));
   EXPECT_FALSE(bucket.Take(now));
   now += std::chrono::milliseconds(500);
@@ -123,7 +137,7 @@ TEST(TokenBucketTest, GrantsABurstOfAnotherSize) {
 
 TEST(TokenBucketTest, GrantsABurstThenTheRate) {
   runtime::Clock::Steady now{seconds(5)};
-  TokenBucket bucket(10, now);
+  runtime::TokenBucket bucket(10, now);
   int granted = 0;
   for (int i = 0; i < 100; ++i) granted += bucket.Take(now) ? 1 : 0;
   EXPECT_EQ(granted, 10);
@@ -149,6 +163,19 @@ TEST(GateTest, AdmitsSoManyAtOnce) {
   first->reset();
   EXPECT_TRUE(gate.Enter("ann"));
   EXPECT_EQ(gate.inside(), 1u) << "a pass that goes at once leaves at once";
+}
+
+TEST(GateTest, TheUsersOfAGatewayHaveOnePart) {
+  Gate gate("max_registrations", 4);
+  std::vector<Gate::Pass> passes;
+  for (int i = 0; i < 4; ++i) passes.push_back(gate.Enter("hub/" + std::to_string(i)).value());
+  EXPECT_FALSE(gate.Enter("hub/5"));
+  auto first = gate.Enter("ann");
+  auto second = gate.Enter("ann");
+  EXPECT_TRUE(first && second);
+  EXPECT_FALSE(gate.Enter("ann"));
+  passes.clear();
+  EXPECT_TRUE(gate.Enter("hub/5"));
 }
 
 }  // namespace

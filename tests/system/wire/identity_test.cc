@@ -368,6 +368,38 @@ TEST_F(IdentityTest, NetworkIsNotServedByMistake) {
   EXPECT_TRUE(host::Host::Start(options()));
 }
 
+TEST_F(IdentityTest, TheUserOfACallIsForGatewaysAlone) {
+  const TestToken hub('c', "hub", "gateway"), root('d', "root", "admin");
+  folder_.PutTokens({alice_.Entry(), hub.Entry(), root.Entry()});
+  options().credentials.token_file = folder_.tokens();
+  const auto call = [&](const TestToken* token, const std::vector<std::string>& users,
+                        const std::string& owner = {}) {
+    grpc::ClientContext context;
+    SetDeadline(context);
+    if (token != nullptr) context.AddMetadata("authorization", "Bearer " + token->Text());
+    for (const std::string& user : users) context.AddMetadata("x-arapd-owner", user);
+    v1::ListSessionsRequest request;
+    request.set_owner(owner);
+    v1::ListSessionsResponse response;
+    const grpc::Status status = deformation().ListSessions(&context, request, &response);
+    return std::pair(status, response.sessions_size());
+  };
+  ExpectError(call(nullptr, {"mia"}).first, grpc::UNAUTHENTICATED, "UNAUTHENTICATED");
+  ExpectError(call(&hub, {"mia", "ben"}).first, grpc::UNAUTHENTICATED, "UNAUTHENTICATED");
+  ExpectError(call(&alice_, {"mia"}).first, grpc::PERMISSION_DENIED, "PERMISSION_DENIED");
+  ExpectError(call(&root, {"mia"}).first, grpc::PERMISSION_DENIED, "PERMISSION_DENIED");
+  ExpectError(call(&hub, {"mia@example.com"}).first, grpc::INVALID_ARGUMENT, "INVALID_NAME");
+
+  client::ConnectOptions with;
+  with.token = hub.Text();
+  with.user = "mia";
+  ASSERT_TRUE(Connect(with)->CreateSession());
+  EXPECT_EQ(call(&hub, {"mia"}).second, 1);
+  EXPECT_EQ(call(&hub, {}).second, 0) << "not of the gateway itself";
+  EXPECT_EQ(call(&root, {}, "hub/mia").second, 1);
+  EXPECT_FALSE(call(&hub, {"ben"}, "hub/mia").first.ok());
+}
+
 TEST_F(IdentityTest, LogHoldsNoSecret) {
   std::ostringstream text;
   const auto before = spdlog::default_logger();
@@ -381,6 +413,13 @@ TEST_F(IdentityTest, LogHoldsNoSecret) {
   with.root_certificates = folder_.Put("ours.pem", authority.certificate());
   with.token = alice_.Text();
   client::DeformStream stream = Open(SetUp(Connect(with).value()));
+  const TestToken hub('d', "hub", "gateway");
+  folder_.PutTokens({alice_.Entry(), hub.Entry()});
+  EXPECT_TRUE(host().credentials().Reload());
+  with.token = hub.Text();
+  with.user = "mia";
+  EXPECT_TRUE(Connect(with)->CreateSession());
+  with.user.clear();
   const TestToken stranger('c', "mallory");
   with.token = stranger.Text();
   const auto refused = Connect(with)->CreateSession();
@@ -396,10 +435,11 @@ TEST_F(IdentityTest, LogHoldsNoSecret) {
 
   const std::string log = text.str() + refused.error().message;
   EXPECT_THAT(log, HasSubstr("rpc=CreateSession owner=alice session="));
+  EXPECT_THAT(log, HasSubstr("rpc=CreateSession owner=hub/mia session="));
   EXPECT_THAT(log, HasSubstr("reason=UNAUTHENTICATED"));
   EXPECT_THAT(log, HasSubstr("event=tokens_kept"));
   EXPECT_THAT(log, HasSubstr("event=tokens_reloaded tokens=1"));
-  for (const TestToken* token : {&alice_, &bob_, &stranger}) {
+  for (const TestToken* token : {&alice_, &bob_, &hub, &stranger}) {
     EXPECT_THAT(log, Not(HasSubstr(token->secret())));
     EXPECT_THAT(log, Not(HasSubstr(token->salt())));
     EXPECT_THAT(log, Not(HasSubstr(token->hash())));
