@@ -120,8 +120,8 @@ bool DerivedCache::MakeRoomOfGatewayLocked(const Gateway& gateway, std::size_t b
     return used <= most && bytes <= most - used;
   };
   const auto belongs = [&gateway](const Entry& e) { return BelongsTo(e.key.owner, gateway.owner); };
-  std::size_t users = 0;
-  for (const auto& [owner, has] : owner_bytes_) users += BelongsTo(owner, gateway.owner) ? 1 : 0;
+  std::size_t users = 1;
+  for (const auto& [owner, has] : owner_bytes_) users += BelongsTo(owner, gateway.owner) ? 1U : 0U;
   const auto more_than_a_part = [&](const Entry& e) {
     mutex_.AssertHeld();
     const auto has = owner_bytes_.find(e.key.owner);

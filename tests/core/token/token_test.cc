@@ -67,11 +67,14 @@ TEST(Token, IsMadeOfAnIdAndASecretThatItsEntryProves) {
 }
 
 TEST(TokenFile, IsReadAsItWasWritten) {
-  const auto user = MakeToken(), admin = MakeToken();
-  ASSERT_TRUE(user && admin);
-  std::vector<TokenEntry> entries(2);
-  entries[0] = {user->id, "alice", false, user->salt, user->sha256, {}, {}};
-  entries[1] = {admin->id, "root", true, admin->salt, admin->sha256, {}, {}};
+  const auto user = MakeToken(), admin = MakeToken(), hub = MakeToken();
+  ASSERT_TRUE(user && admin && hub);
+  std::vector<TokenEntry> entries(3);
+  entries[0] = {user->id, "alice", TokenRole::kUser, user->salt, user->sha256, {}, {}, {}};
+  entries[1] = {admin->id, "root", TokenRole::kAdmin, admin->salt, admin->sha256, {}, {}, {}};
+  entries[2] = {hub->id, "hub", TokenRole::kGateway, hub->salt, hub->sha256, {}, {}, {}};
+  entries[2].limits = {{"max_sessions", 50}};
+  entries[2].user_limits = {{"max_sessions", 5}};
   entries[1].expires = std::chrono::sys_days(std::chrono::year(2027) / 1 / 31) +
                        std::chrono::hours(13) + std::chrono::seconds(7);
   entries[1].limits = {{"max_sessions", 3}, {"max_bytes", 1'000'000'000'000}};
@@ -80,11 +83,14 @@ TEST(TokenFile, IsReadAsItWasWritten) {
   EXPECT_THAT(text, Not(HasSubstr(user->text.substr(user->text.rfind('_') + 1))));
   const auto read = ParseTokenFile(text, "tokens.json");
   ASSERT_TRUE(read) << read.error().message;
-  ASSERT_EQ(read->size(), 2u);
+  ASSERT_EQ(read->size(), 3u);
+  EXPECT_EQ((*read)[2].role, TokenRole::kGateway);
+  EXPECT_EQ((*read)[2].limits, entries[2].limits);
+  EXPECT_EQ((*read)[2].user_limits, entries[2].user_limits);
   EXPECT_EQ((*read)[0].owner, "alice");
-  EXPECT_FALSE((*read)[0].admin);
+  EXPECT_EQ((*read)[0].role, TokenRole::kUser);
   EXPECT_FALSE((*read)[0].expires);
-  EXPECT_TRUE((*read)[1].admin);
+  EXPECT_EQ((*read)[1].role, TokenRole::kAdmin);
   EXPECT_EQ((*read)[1].expires, entries[1].expires);
   EXPECT_EQ((*read)[1].limits, entries[1].limits);
   EXPECT_EQ(FormatTokenFile(*read), text);
@@ -94,7 +100,7 @@ TEST(TokenFile, IsReadAsItWasWritten) {
 TEST(TokenFile, ExpiriesOfAllYearsAreWrittenAsTheyWereRead) {
   const auto token = MakeToken();
   ASSERT_TRUE(token);
-  TokenEntry entry{token->id, "alice", false, token->salt, token->sha256, {}, {}};
+  TokenEntry entry{token->id, "alice", TokenRole::kUser, token->salt, token->sha256, {}, {}, {}};
   entry.expires = std::chrono::sys_days(std::chrono::year(2027) / 1 / 31);
   const std::string written = FormatTokenFile(std::vector{entry});
   for (const std::string expires :
@@ -111,7 +117,8 @@ TEST(TokenFile, ExpiriesOfAllYearsAreWrittenAsTheyWereRead) {
 TEST(TokenFile, DamagedEntriesAreReadAndWrittenAsTheyStand) {
   const auto token = MakeToken();
   ASSERT_TRUE(token);
-  const TokenEntry good{token->id, "alice", false, token->salt, token->sha256, {}, {}};
+  const TokenEntry good{token->id, "alice", TokenRole::kUser, token->salt, token->sha256, {},
+                        {},        {}};
   std::string text = FormatTokenFile(std::vector{good, good});
   text.replace(text.rfind("\n]"), 2, R"(,
   7,
@@ -144,7 +151,8 @@ TEST(TokenFile, DamagedEntriesAreReadAndWrittenAsTheyStand) {
 TEST(TokenFile, FaultsNameTheEntryAndTheField) {
   const auto token = MakeToken();
   ASSERT_TRUE(token);
-  const TokenEntry entry{token->id, "alice", false, token->salt, token->sha256, {}, {}};
+  const TokenEntry entry{token->id, "alice", TokenRole::kUser, token->salt, token->sha256, {},
+                         {},        {}};
   const auto twice = ParseTokenFile(FormatTokenFile(std::vector{entry, entry}), "tokens.json");
   ASSERT_FALSE(twice);
   EXPECT_EQ(twice.error().kind, FaultKind::kInvalidOption);
@@ -169,7 +177,8 @@ TEST_F(ChangeTokenFileTest, ProcessesThatMeetWaitForEachOther) {
       const auto append = [&](const std::optional<std::string>& text) -> Result<std::string> {
         std::vector<TokenEntry> entries;
         if (text) entries = ParseTokenFile(*text, path).value_or(entries);
-        entries.push_back({token->id, "ann", false, token->salt, token->sha256, {}, {}});
+        entries.push_back(
+            {token->id, "ann", TokenRole::kUser, token->salt, token->sha256, {}, {}, {}});
         return FormatTokenFile(entries);
       };
       _exit(token && ChangeTokenFile(path, append) ? 0 : 1);

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "server/budget/gate.h"
+#include "server/runtime/token_bucket.h"
 
 namespace arap::app {
 namespace {
