@@ -14,9 +14,9 @@
 
 #include "arap/client/session.h"
 #include "client/src/answers.h"
+#include "client/src/calls.h"
 #include "client/src/channel.h"
 #include "client/src/impatience.h"
-#include "client/src/calls.h"
 #include "core/base/names.h"
 #include "core/base/try.h"
 #include "proto/convert/plain.h"
