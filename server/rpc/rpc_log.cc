@@ -68,7 +68,10 @@ RpcLog::RpcLog(const char* method, const std::string& session_id, bool noisy,
                runtime::Metrics* metrics)
     : method_(method), session_id_(Printable(session_id)), noisy_(noisy), metrics_(metrics) {}
 
-void RpcLog::Owner(const std::string& owner) { owner_ = app::IsOwner(owner) ? owner : "?"; }
+// Nobody's name is known of a call that was refused.
+void RpcLog::Owner(const std::string& owner) {
+  owner_ = app::IsOwner(owner) ? owner : Printable(owner);
+}
 
 void RpcLog::Session(const std::string& session_id) { session_id_ = Printable(session_id); }
 
