@@ -65,6 +65,9 @@ Result<JobView> FlattenJobs::Submit(const Caller& caller, const std::string& ses
   CHECK_OK(CheckName(job_id, "job_id"));
   TRY(const auto session, workshop_.sessions.Use(caller.owner, session_id));
   TRY(const std::string hash, Sha256Hex(request));
+  if (!session->record()->jobs.contains(job_id)) {
+    CHECK_OK(workshop_.sessions.MayStore(caller, {.bytes = request.size()}));
+  }
   // The blob first: a record never names what is not there.
   CHECK_OK(workshop_.stores.blobs->Put(hash, request));
   const auto add = [&](store::SessionRecord& record) -> Result<bool> {
@@ -285,7 +288,14 @@ Status FlattenJobs::Finish(const Alive& live, Session& session) {
     progress("storing", kNearlyDone);
     TRY(ended.result, Sha256Hex(*result));
     ended.result_bytes = result->size();
-    CHECK_OK(workshop_.stores.blobs->Put(ended.result, *result));
+    Status room = workshop_.sessions.MayStore(live->caller, {.bytes = result->size()});
+    if (room) {
+      CHECK_OK(workshop_.stores.blobs->Put(ended.result, *result));
+    } else if (room.error().kind == FaultKind::kLimitExceeded) {
+      ended = {job.request, job.request_bytes, {}, 0, std::move(room.error())};
+    } else {
+      return room;
+    }
   } else {
     ended.fault = result.error();
   }

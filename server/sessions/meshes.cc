@@ -151,6 +151,7 @@ Result<Registration> RegisterMesh(Workshop& workshop, const Caller& caller,
   MeshEntry entry{mesh_id, hash,
                   workshop.derived.Find<RegisteredMesh>(MeshKey(caller.owner, hash))};
   const bool shared = entry.mesh != nullptr;
+  if (!has) CHECK_OK(workshop.sessions.MayStore(caller, {.meshes = 1, .bytes = bytes.size()}));
   if (!shared) {
     TRY(entry.mesh, FactorNew(workshop, caller, std::move(mesh), options, cancel));
   }

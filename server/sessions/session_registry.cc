@@ -312,6 +312,11 @@ Result<Session::Record> SessionRegistry::Change(const Caller& caller, Session& s
                   .Detail("tries", kChangeTries));
 }
 
+Status SessionRegistry::MayStore(const Caller& caller, const store::Usage& more) {
+  CHECK_OK(quotas_.Take(caller, more));
+  return {};
+}
+
 bool SessionRegistry::InUse(const std::string& owner, const std::string& blob) const {
   const MutexLock lock(&mutex_);
   for (auto at = sessions_.lower_bound({owner, ""});

@@ -87,6 +87,10 @@ class SessionRegistry {
   using Edit = std::function<Result<bool>(store::SessionRecord&)>;
   Result<Session::Record> Change(const Caller& caller, Session& session, const Edit& edit);
 
+  // Whether the caller's owner has room for `more` in the store, to be asked before blobs are put
+  // there: one that a record then cannot name would lie there until a sweep. kLimitExceeded.
+  Status MayStore(const Caller& caller, const store::Usage& more);
+
   // Whether a session in memory has a mesh with this blob.
   bool InUse(const std::string& owner, const std::string& blob) const;
   std::size_t in_memory() const;

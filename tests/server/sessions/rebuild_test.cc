@@ -227,6 +227,11 @@ TEST_F(WarmTest, OwnersHaveQuotas) {
 TEST_F(WarmTest, BytesInTheStoreAreTheOwners) {
   Open(ann_, "s");
   Open(ann_, "t");
+  Caller poor = ann_;
+  poor.limits.max_stored_bytes = 500;
+  EXPECT_FALSE(Register(poor, "s", "m"));
+  EXPECT_EQ(engine_->keeper.Collect({seconds(0), seconds(0)})->removed, 0u)
+      << "what is refused does not even reach the disk";
   ASSERT_TRUE(Register(ann_, "s", "m"));
   const std::size_t used = engine_->stores.specs->UsageOf("ann")->bytes;
   ASSERT_GT(used, 1'000u);
