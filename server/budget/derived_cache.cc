@@ -245,6 +245,7 @@ DerivedCache::Any DerivedCache::KeepAny(const DerivedKey& key, Any value, std::s
 DerivedCache::Entries::iterator DerivedCache::SurplusLocked(DerivedKind kind, bool by_bytes) {
   // Who has most of those that `counts` says yes to, by the name that `of` gives an owner.
   const auto most = [&](auto of, auto counts) {
+    mutex_.AssertHeld();
     std::map<std::string_view, std::size_t> has;
     for (const Entry& entry : entries_) {
       if (entry.key.kind == kind && counts(entry)) {
