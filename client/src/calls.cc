@@ -93,7 +93,7 @@ bool IsLost(const grpc::Status& status) {
     case grpc::StatusCode::CANCELLED:  // a server that stops, haproxy
       return true;
     case grpc::StatusCode::UNKNOWN:
-      return says("No status received");
+      return says("No status received") || says("Stream removed");  // the connection went
     case grpc::StatusCode::INTERNAL:
       return says("RST_STREAM");
     default:

@@ -148,6 +148,7 @@ TEST(Lost, IsWhatTheServersEndLooksLikeAlsoBehindProxies) {
   using enum grpc::StatusCode;
   EXPECT_TRUE(IsLost({UNAVAILABLE, "Socket closed"}));
   EXPECT_TRUE(IsLost({UNKNOWN, "No status received"}));
+  EXPECT_TRUE(IsLost({UNKNOWN, "Stream removed"}));
   EXPECT_TRUE(IsLost({INTERNAL, "Received RST_STREAM with error code 2"}));
   EXPECT_TRUE(IsLost({CANCELLED, "Received RST_STREAM with error code 8"}));
   EXPECT_FALSE(IsLost({UNKNOWN, "something else"}));

@@ -56,9 +56,10 @@ struct StreamOptions {
   // For how long a stream that was lost is opened again and again, growing pauses of up to 2 s
   // apart, until the server has caught up; 0: not at all. An attempt under way is not cut short; it
   // ends with an answer or after `silence`. Lost is what ended with the server gone or going away:
-  // silence, UNAVAILABLE, and what proxies make of it: UNKNOWN "No status received", INTERNAL
-  // "RST_STREAM", CANCELLED. After silence the next attempt is made over a new connection. A server
-  // that has no room (RESOURCE_EXHAUSTED) is asked again too. Anything else is final.
+  // silence, UNAVAILABLE, and what proxies make of it: UNKNOWN "No status received" or "Stream
+  // removed", INTERNAL "RST_STREAM", CANCELLED. After silence the next attempt is made over a new
+  // connection. A server that has no room (RESOURCE_EXHAUSTED) is asked again too. Anything else is
+  // final.
   std::chrono::milliseconds resume_within{0};
 };
 
