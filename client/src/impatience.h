@@ -20,12 +20,20 @@ class Impatience {
   // Cancels the call when nothing has come for `limit` while it was waited for.
   Impatience(grpc::ClientContext& context, std::chrono::milliseconds limit);
 
-  // Somebody begins to wait for a message, or has got one, or knows that there is none.
-  void SetWaiting(bool waiting);
+  // What `read` answers, which waits for a message or the end.
+  template <class Read>
+  bool Wait(const Read& read) {
+    SetWaiting(true);
+    const bool got = read();
+    SetWaiting(false);
+    return got;
+  }
   // Whether it has cancelled the call. From any thread.
   bool is_lost() const;
 
  private:
+  void SetWaiting(bool waiting);
+
   const std::chrono::milliseconds limit_;
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;

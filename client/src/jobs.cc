@@ -98,12 +98,7 @@ Status ReadPieces(Stub& stub,
     const auto reader = (stub.*method)(&context, request());
     heard = false;
     Response response;
-    const auto next = [&] {
-      impatience.SetWaiting(true);
-      const bool got = reader->Read(&response);
-      impatience.SetWaiting(false);
-      return got;
-    };
+    const auto next = [&] { return impatience.Wait([&] { return reader->Read(&response); }); };
     // After a fault we still read to the end, so that the call can be finished.
     while (next()) {
       if (bad) continue;

@@ -56,12 +56,7 @@ Status Session::DeformTrack(const std::string& handle_set_id,
   std::optional<Fault> stop;
   v1::DeformTrackResponse response;
   std::size_t frame = 0;
-  const auto next = [&] {
-    impatience.SetWaiting(true);
-    const bool got = reader->Read(&response);
-    impatience.SetWaiting(false);
-    return got;
-  };
+  const auto next = [&] { return impatience.Wait([&] { return reader->Read(&response); }); };
   // After a stop we still read to the end, so that the call can be finished.
   while (next()) {
     if (stop) continue;
