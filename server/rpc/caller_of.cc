@@ -36,25 +36,27 @@ bool IsBearer(std::string_view scheme) {
   return true;
 }
 
+// Nothing without the header; a fault when it is there twice.
+Result<std::optional<std::string_view>> HeaderOf(const grpc::CallbackServerContext& context,
+                                                 const char* name) {
+  const auto [first, last] = context.client_metadata().equal_range(name);
+  if (first == last) return std::optional<std::string_view>();
+  if (std::next(first) != last) {
+    return Fail(FaultKind::kUnauthenticated,
+                "The header " + std::string(name) + " is there twice.");
+  }
+  return std::optional(View(first->second));
+}
+
 // Nothing without the header; a fault for one that is not a single bearer token.
 Result<std::optional<std::string_view>> TokenOf(const grpc::CallbackServerContext& context) {
   constexpr std::size_t kScheme = std::string_view("Bearer ").size();
-  const auto [first, last] = context.client_metadata().equal_range(kHeader);
-  if (first == last) return std::optional<std::string_view>();
-  if (std::next(first) != last) return Refused("The header authorization is there twice.");
-  const std::string_view value = View(first->second);
-  if (!IsBearer(value.substr(0, kScheme))) {
+  TRY(const auto value, HeaderOf(context, kHeader));
+  if (!value) return value;
+  if (!IsBearer(value->substr(0, kScheme))) {
     return Refused("The header authorization is not of the form \"Bearer TOKEN\".");
   }
-  return std::optional(value.substr(kScheme));
-}
-
-// The user that a gateway speaks for, if it names one.
-Result<std::optional<std::string>> UserOf(const grpc::CallbackServerContext& context) {
-  const auto [first, last] = context.client_metadata().equal_range(kUserHeader);
-  if (first == last) return std::optional<std::string>();
-  if (std::next(first) != last) return Refused("The header x-arapd-owner is there twice.");
-  return std::optional(std::string(View(first->second)));
+  return std::optional(value->substr(kScheme));
 }
 
 std::optional<std::string> CommonNameOf(const grpc::CallbackServerContext& context) {
@@ -69,10 +71,10 @@ std::optional<std::string> CommonNameOf(const grpc::CallbackServerContext& conte
 Result<app::Caller> Identify(const grpc::CallbackServerContext& context, const Identity& identity) {
   const auto token = TokenOf(context);
   if (!token) return Fail(token.error());
-  TRY(const auto user, UserOf(context));
+  TRY(const auto user, HeaderOf(context, kUserHeader));  // that a gateway speaks for
   if (*token) {
     if (!identity.tokens) return Refused("This server takes no bearer tokens.");
-    return identity.tokens->Check(**token, user);
+    return identity.tokens->Check(**token, user ? std::optional(std::string(*user)) : std::nullopt);
   }
   if (user) return Refused("The header x-arapd-owner needs the bearer token of a gateway.");
   if (auto name = CommonNameOf(context)) {
