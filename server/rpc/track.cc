@@ -5,28 +5,25 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include <arap/v1/deformation_service.pb.h>
 #include <fmt/format.h>
-#include <grpcpp/server_context.h>
 
 #include "core/base/mutex.h"
 #include "core/base/try.h"
-#include "proto/convert/status.h"
 #include "server/budget/faults.h"
 #include "server/engine.h"
-#include "server/rpc/caller_of.h"
 #include "server/rpc/convert.h"
+#include "server/rpc/long_answer.h"
 #include "server/rpc/long_calls.h"
-#include "server/rpc/rpc_log.h"
 #include "server/rpc/unary.h"
 #include "server/runtime/clock.h"
 #include "server/sessions/handle_sets.h"
 #include "server/streams/live_set.h"
-#include "server/streams/stream_policy.h"
 #include "server/streams/targets.h"
 
 namespace arap::rpc {
@@ -36,119 +33,24 @@ namespace {
 // frames.
 constexpr std::size_t kLanes = 2;
 
-// The frames that are sent to a client, and what they were computed from. As in the stream's
-// reactor: state behind a mutex, every entry pumps, jobs hold a shared pointer.
-class TrackReactor final
-    : public grpc::ServerBidiReactor<v1::DeformTrackRequest, v1::DeformTrackResponse>,
-      public app::LongCall,
-      public std::enable_shared_from_this<TrackReactor> {
+// The frames that are sent to a client, and what they were computed from.
+class TrackReactor final : public LongAnswer<v1::DeformTrackRequest, v1::DeformTrackResponse> {
  public:
   TrackReactor(app::Engine& engine, grpc::CallbackServerContext* context, app::Caller caller)
-      : engine_(engine),
-        context_(context),
-        caller_(std::move(caller)),
-        cancel_(CancelTokenOf(context)),
-        log_("DeformTrack", "", false, &engine.metrics) {
-    log_.NamedLasting(*context);
-    log_.Owner(caller_.owner);
-  }
-
-  // `admitted`: what CallerOf says. Nothing is delivered, and OnDone not called, before the RPC's
-  // method has returned.
-  void Start(const grpc::CallbackServerContext& context, const Identity& identity,
-             const Status& admitted) {
-    self_ = shared_from_this();
-    if (identity.connections != nullptr)
-      counted_ = identity.connections->Begin(context.peer(), admitted.has_value());
-    Status added = admitted ? engine_.streams.Add(self_, caller_) : admitted;
-    if (added && identity.connections != nullptr) {
-      auto receiving =
-          identity.connections->Receive(context.peer(), [weak = weak_from_this()](Fault late) {
-            if (const auto self = weak.lock()) self->End(std::move(late));
-          });
-      if (!receiving) added = Fail(std::move(receiving.error()));
-      const MutexLock lock(&mutex_);
-      if (receiving) receiving_ = *std::move(receiving);
-    }
-    {
-      const MutexLock lock(&mutex_);
-      if (added) StartRead(&request_);
-      reading_ = added.has_value();
-      if (!added) end_ = added.error();
-      Pump();
-    }
-    if (!added) return;
-    watch_ = WatchCaller(context, identity, caller_, [weak = weak_from_this()](Fault lost) {
-      if (const auto self = weak.lock()) self->End(std::move(lost));
-    });
-  }
-
-  void End(Fault reason) override {
-    const MutexLock lock(&mutex_);
-    if (!end_ && !finished_) end_ = std::move(reason);
-    Pump();
-  }
-
-  // Whoever reads no frame for as long as a stream may say nothing is cut off, and soon when the
-  // track is to end.
-  void Sweep(runtime::Clock::Steady now) override {
-    const MutexLock lock(&mutex_);
-    if (!writing_ || cancelled_) return;
-    const auto idle = engine_.limits.max_stream_idle;
-    if ((end_ && now - wrote_ >= app::kLastWrite) || (idle.count() > 0 && now - wrote_ >= idle)) {
-      context_->TryCancel();
-    }
-  }
-
-  void OnReadDone(bool ok) override {
-    const std::size_t size = ok ? request_.ByteSizeLong() : 0;
-    const MutexLock lock(&mutex_);
-    receiving_.Received(size);
-    reading_ = false;
-    log_.Arrived();
-    log_.Session(request_.session_id());
-    const std::size_t most = engine_.limits.max_message_bytes;
-    if (!ok) {
-      cancelled_ = true;
-    } else if (size > most) {
-      if (!end_) end_ = app::TooLarge("The request", "max_message_bytes", size, most);
-    } else if (!end_) {
-      StartPreparing();
-    }
-    Pump();
-  }
-
-  void OnWriteDone(bool ok) override {
-    const MutexLock lock(&mutex_);
-    writing_ = false;
-    if (!ok) cancelled_ = true;
-    Pump();
-  }
-
-  void OnCancel() override {
-    const MutexLock lock(&mutex_);
-    cancelled_ = true;
-    Pump();
-  }
-
-  void OnDone() override {
-    engine_.streams.Remove(this);
-    watch_ = {};
-    const std::shared_ptr<TrackReactor> self = std::move(self_);
-    const MutexLock lock(&mutex_);
-    log_.End(end_status_, fmt::format(" frames={}/{}", written_, request_.frames_size()));
-  }
+      : LongAnswer("DeformTrack", engine, context, std::move(caller)),
+        cancel_(CancelTokenOf(context)) {}
 
  private:
   // The request counts for as long as the track runs.
-  void StartPreparing() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+  void Received() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) override {
     auto room = engine_.derived.ReserveForRequest(caller_, request_.SpaceUsedLong());
     if (!room) {
       end_ = std::move(room.error());
       return;
     }
     request_room_ = *std::move(room);
-    working_ = engine_.jobs.TryPost([self = self_] { self->RunPrepare(); }, TurnOf(0));
+    working_ =
+        engine_.jobs.TryPost([self = Self<TrackReactor>()] { self->RunPrepare(); }, TurnOf(0));
     if (!working_) end_ = app::Overloaded();
   }
 
@@ -157,37 +59,27 @@ class TrackReactor final
     return {caller_.owner, reinterpret_cast<std::uintptr_t>(this), seconds};
   }
 
-  // Starts whatever has become possible.
-  void Pump() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+  void Pump() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) override {
     if (finished_) return;
     if (!writing_ && !ready_.empty() && !cancelled_) {
       outgoing_ = std::move(ready_.front());
       ready_.pop_front();
-      writing_ = true;
-      wrote_ = engine_.clock.SteadyNow();
       ++written_;
-      StartWrite(&outgoing_);
+      Write(outgoing_);
     }
     if (prepared_ && !working_ && ready_.empty() && !end_ && !cancelled_ &&
         next_frame_ < request_.frames_size()) {
       waiting_ = {};
-      working_ =
-          engine_.jobs.Continue([self = self_] { self->RunFrames(); }, TurnOf(frames_seconds_));
+      working_ = engine_.jobs.Continue([self = Self<TrackReactor>()] { self->RunFrames(); },
+                                       TurnOf(frames_seconds_));
       if (!working_) end_ = app::Overloaded();
     }
-    // A request that does not arrive is not waited for.
-    if (reading_ && !cancelled_ && !end_) return;
-    if (!working_ && !writing_ && (cancelled_ || ready_.empty())) FinishTrack();
+    if (Receiving()) return;
+    if (!working_ && !writing_ && (cancelled_ || ready_.empty())) FinishCall();
   }
 
-  void FinishTrack() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    if (cancelled_) {
-      end_status_ = Fail(FaultKind::kCancelled, "The caller has cancelled.");
-    } else if (end_) {
-      end_status_ = Fail(*end_);
-    }
-    finished_ = true;
-    Finish(end_status_ ? grpc::Status::OK : convert::ToGrpcStatus(end_status_.error()));
+  std::string LogTail() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) override {
+    return fmt::format(" frames={}/{}", written_, request_.frames_size());
   }
 
   // The jobs, without mutex_.
@@ -288,14 +180,7 @@ class TrackReactor final
     return fault.Detail("frame", index).Field(fmt::format("frames[{}]", index));
   }
 
-  app::Engine& engine_;
-  grpc::CallbackServerContext* const context_;
-  const app::Caller caller_;
   const CancelToken cancel_;
-  v1::DeformTrackRequest request_;      // gRPC's while reading_
-  CallerWatch watch_;                   // from Start until OnDone
-  std::shared_ptr<TrackReactor> self_;  // likewise
-  std::shared_ptr<const void> counted_;
 
   // The running job's own; when none runs, of whoever holds mutex_.
   ShapeOptions options_;
@@ -306,33 +191,19 @@ class TrackReactor final
   runtime::WallTimer waiting_;
   int next_frame_ = 0;
 
-  Mutex mutex_;
   app::DerivedCache::Reservation request_room_ ABSL_GUARDED_BY(mutex_);
-  bool reading_ ABSL_GUARDED_BY(mutex_) = false;
-  Connections::Entry receiving_ ABSL_GUARDED_BY(mutex_);
   bool prepared_ ABSL_GUARDED_BY(mutex_) = false;
   bool working_ ABSL_GUARDED_BY(mutex_) = false;
   std::deque<v1::DeformTrackResponse> ready_ ABSL_GUARDED_BY(mutex_);  // at most kLanes
   v1::DeformTrackResponse outgoing_ ABSL_GUARDED_BY(mutex_);           // gRPC's while writing_
-  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
-  runtime::Clock::Steady wrote_ ABSL_GUARDED_BY(mutex_);  // when the last write began
   int written_ ABSL_GUARDED_BY(mutex_) = 0;
-  std::optional<Fault> end_ ABSL_GUARDED_BY(mutex_);
-  bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
-  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
-  Status end_status_ ABSL_GUARDED_BY(mutex_);
-  RpcLog log_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace
 
 grpc::ServerBidiReactor<v1::DeformTrackRequest, v1::DeformTrackResponse>* DeformTrack(
     app::Engine& engine, const Identity& identity, grpc::CallbackServerContext* context) {
-  auto caller = CallerOf(*context, identity);
-  const auto reactor =
-      std::make_shared<TrackReactor>(engine, context, caller.value_or(app::Caller{"", {}, {}}));
-  reactor->Start(*context, identity, caller ? Status() : Fail(std::move(caller.error())));
-  return reactor.get();
+  return BeginLongAnswer<TrackReactor>(engine, identity, context);
 }
 
 }  // namespace arap::rpc
