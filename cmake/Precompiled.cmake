@@ -1,3 +1,5 @@
+# What makes building faster.
+#
 # Precompiled headers: what is slow to parse and never changes while one works. Only headers of other
 # people and generated ones: with one of ours in it, every change would build everything again.
 
@@ -8,6 +10,15 @@ function(arap_precompile target)
   # What depends on the compiler's place or time is not in these headers; ccache may say so.
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_compile_options(${target} PRIVATE -fpch-preprocess)
+  endif()
+endfunction()
+
+# arap_unity(target FILES): compiles so many files as one where each of them makes the same inline code of
+# a library again, which costs more than the file itself. Names in their unnamed namespaces must differ.
+# ARAP_UNITY=OFF compiles every file by itself, as clang-tidy reads them.
+function(arap_unity target files)
+  if(ARAP_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${files})
   endif()
 endfunction()
 

@@ -10,6 +10,12 @@
 
 namespace arap::testing {
 
+Handle AtVertex(std::uint32_t vertex) { return AtVertex("v" + std::to_string(vertex), vertex); }
+
+Handle AtVertex(std::string id, std::uint32_t vertex) {
+  return {std::move(id), VertexAnchor{vertex}};
+}
+
 TextbookHandle OnVertex(std::uint32_t vertex, double weight) {
   return {{vertex, vertex, vertex}, {1, 0, 0}, weight};
 }

@@ -4,14 +4,20 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "arap/model/handle.h"
 #include "arap/model/mesh.h"
 #include "tests/support/textbook.h"
 
 namespace arap::testing {
 
-// A handle on one vertex.
+// A handle on one vertex, by the name "v" and its number.
+Handle AtVertex(std::uint32_t vertex);
+Handle AtVertex(std::string id, std::uint32_t vertex);
+
+// The same for the textbook.
 TextbookHandle OnVertex(std::uint32_t vertex, double weight = 1e6);
 
 // `count` handles on different vertices that triangles use; with two or more, never all on one

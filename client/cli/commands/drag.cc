@@ -83,7 +83,7 @@ std::string PickLines(std::span<const Complex> points, std::span<const std::opti
 }
 
 // All times, edits and picks.
-std::string JsonReport(const DragTimes& times, std::span<const Complex> points) {
+std::string TimesReport(const DragTimes& times, std::span<const Complex> points) {
   Json json{{"sent", times.sent},
             {"answered", times.answered},
             {"replaced", times.replaced},
@@ -147,7 +147,7 @@ Status Drag(const DragOptions& options) {
   for (const EditTimes& edit : times.edits) fmt::print("{}\n", Describe(edit));
   fmt::print("{}", PickLines(points, times.picks));
   if (shapes) CHECK_OK(shapes->Close());
-  if (!options.json.empty()) CHECK_OK(WriteTextFile(options.json, JsonReport(times, points)));
+  if (!options.json.empty()) CHECK_OK(WriteTextFile(options.json, TimesReport(times, points)));
   return film.Write(caption);
 }
 

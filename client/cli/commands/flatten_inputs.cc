@@ -17,7 +17,6 @@
 namespace arap::cli {
 namespace {
 
-using Json = nlohmann::json;
 using Words = std::vector<std::string>;
 using Edges = std::vector<std::array<std::uint32_t, 2>>;
 
@@ -73,13 +72,13 @@ bool IsJson(const std::string& text) {
 
 Result<Edges> ParseJsonSeams(const std::string& text, const std::string& name,
                              std::size_t vertex_count) {
-  Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  nlohmann::json json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (json.is_discarded()) return Bad(name + ": not JSON");
-  if (json.is_object()) json = json.value("cut_edges", Json());
+  if (json.is_object()) json = json.value("cut_edges", nlohmann::json());
   if (!json.is_array()) return Bad(name + ": neither a list of edges nor one in \"cut_edges\"");
   std::vector<std::uint32_t> seams;
   std::string fault;
-  const auto add = [&](const Json& vertex) {
+  const auto add = [&](const nlohmann::json& vertex) {
     if (!vertex.is_number_unsigned() || vertex.get<std::uint64_t>() >= vertex_count) {
       if (fault.empty()) {
         fault = fmt::format("{} is not a vertex: they go from 0 to {}", vertex.dump(),
@@ -97,7 +96,7 @@ Result<Edges> ParseJsonSeams(const std::string& text, const std::string& name,
     if (!pairs) {
       add(json[i]);
     } else if (json[i].is_array() && json[i].size() == 2) {
-      for (const Json& vertex : json[i]) add(vertex);
+      for (const nlohmann::json& vertex : json[i]) add(vertex);
     } else {
       fault = json[i].dump() + " is not a pair of vertices";
     }
@@ -114,11 +113,11 @@ Status CheckRigidity(double rigidity) {
 }
 
 Result<std::vector<double>> ParseJsonRigidity(const std::string& text, const std::string& name) {
-  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const nlohmann::json json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (json.is_discarded()) return Bad(name + ": not JSON");
   if (!json.is_array()) return Bad(name + ": not an array of numbers");
   std::vector<double> rigidity;
-  for (const Json& element : json) {
+  for (const nlohmann::json& element : json) {
     const Status good = element.is_number() ? CheckRigidity(element.get<double>())
                                             : Bad(element.dump() + " is not a number");
     if (!good) {

@@ -11,21 +11,16 @@
 #include "server/sessions/meshes.h"
 #include "tests/support/fake_clock.h"
 #include "tests/support/meshes.h"
+#include "tests/support/poses.h"
 
 namespace arap::app {
 namespace {
 
 using std::chrono::minutes;
 using std::chrono::seconds;
+using testing::AtVertex;
 
 PlanarMesh Mesh() { return testing::JitteredGrid(12, 9, 7); }
-
-Handle AtVertex(std::uint32_t vertex) {
-  Handle handle;
-  handle.id = "v" + std::to_string(vertex);
-  handle.anchor = VertexAnchor{vertex};
-  return handle;
-}
 
 std::vector<Handle> AtVertices(const std::vector<std::uint32_t>& vertices) {
   std::vector<Handle> handles;

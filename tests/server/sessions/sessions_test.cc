@@ -10,14 +10,14 @@
 #include "server/sessions/meshes.h"
 #include "tests/support/fake_clock.h"
 #include "tests/support/meshes.h"
+#include "tests/support/poses.h"
 
 namespace arap::app {
 namespace {
 
 using std::chrono::seconds;
+using testing::AtVertex;
 using testing::Square;
-
-Handle AtVertex(const std::string& id, std::uint32_t vertex) { return {id, VertexAnchor{vertex}}; }
 
 class AppTest : public ::testing::Test {
  protected:

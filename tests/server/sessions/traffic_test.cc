@@ -13,18 +13,12 @@
 #include "tests/support/bounded.h"
 #include "tests/support/fake_clock.h"
 #include "tests/support/meshes.h"
+#include "tests/support/poses.h"
 
 namespace arap::app {
 namespace {
 
 constexpr int kRounds = 30;
-
-Handle AtVertex(std::uint32_t vertex) {
-  Handle handle;
-  handle.id = "v" + std::to_string(vertex);
-  handle.anchor = VertexAnchor{vertex};
-  return handle;
-}
 
 class TrafficTest : public ::testing::Test {
  protected:
@@ -40,7 +34,7 @@ class TrafficTest : public ::testing::Test {
   void Open(const Caller& caller) {
     ASSERT_TRUE(engine_.sessions.Create(caller, {"s", std::chrono::minutes(1), {}}));
     ASSERT_TRUE(RegisterMesh(engine_, caller, "s", "m", testing::JitteredGrid(6, 6, 3), {}, {}));
-    ASSERT_TRUE(CompileHandles(engine_, caller, "s", "m", "h", {AtVertex(0)}, {}));
+    ASSERT_TRUE(CompileHandles(engine_, caller, "s", "m", "h", {testing::AtVertex(0)}, {}));
   }
 
   // One owner's life on one session that its other threads use too.
@@ -50,7 +44,7 @@ class TrafficTest : public ::testing::Test {
       const auto vertex = static_cast<std::uint32_t>(1 + (seed * kRounds + round) % 40);
       const std::string name = "v" + std::to_string(vertex);
       // Its own names never collide: whatever it adds is there until it takes it away.
-      auto handle = AtVertex(vertex);
+      auto handle = testing::AtVertex(vertex);
       handle.id = name + "_" + std::to_string(seed);
       EXPECT_TRUE(EditHandles(engine_, caller, id, "h", {}, {handle}, {}));
       Deform(caller, id);

@@ -12,13 +12,13 @@
 
 #include "arap/core/registered_mesh.h"
 #include "tests/support/meshes.h"
+#include "tests/support/poses.h"
 
 namespace arap::app {
 namespace {
 
+using testing::AtVertex;
 using testing::Square;
-
-Handle AtVertex(const std::string& id, std::uint32_t vertex) { return {id, VertexAnchor{vertex}}; }
 
 std::shared_ptr<const CompiledHandles> Compiled(const PlanarMesh& mesh,
                                                 const std::vector<Handle>& handles) {

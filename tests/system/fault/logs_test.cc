@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr std::chrono::seconds kPatience{30};
+constexpr std::chrono::seconds kUntilItEnds{30};
 
 std::vector<std::string> Lines(const std::string& path) {
   std::ifstream file(path);
@@ -44,7 +44,7 @@ TEST(Logs, AccessLogHasOneLinePerRpc) {
     EXPECT_TRUE(client.Info().ok());
   }
   server.Signal(SIGTERM);
-  EXPECT_EQ(server.Wait(kPatience), 0);
+  EXPECT_EQ(server.Wait(kUntilItEnds), 0);
   const std::vector<std::string> lines = Lines(server.folder() / "access");
   ASSERT_EQ(lines.size(), 6u) << Slurp(server.folder() / "access");
   const std::regex form(
@@ -63,7 +63,7 @@ TEST(Logs, AccessLogCanBeOff) {
   ASSERT_TRUE(server.Start());
   EXPECT_TRUE(FaultClient(server.address()).CreateSession("s").ok());
   server.Signal(SIGTERM);
-  EXPECT_EQ(server.Wait(kPatience), 0);
+  EXPECT_EQ(server.Wait(kUntilItEnds), 0);
   EXPECT_THAT(server.Log(), Not(HasSubstr("rpc=CreateSession")));
   EXPECT_THAT(server.Log(), HasSubstr("event=stopped"));
 }
@@ -77,7 +77,7 @@ TEST(Logs, FilesBeginAnewAndOldOnesGo) {
     for (int i = 0; i < 200; ++i) EXPECT_TRUE(client.Info().ok());
   }
   server.Signal(SIGTERM);
-  EXPECT_EQ(server.Wait(kPatience), 0);
+  EXPECT_EQ(server.Wait(kUntilItEnds), 0);
   for (const char* name : {"access", "log"}) {
     for (const char* suffix : {"", ".1", ".2"}) {
       const std::string path = server.folder() / (std::string(name) + suffix);

@@ -17,14 +17,14 @@ namespace {
 using ::testing::HasSubstr;
 using wire::DeformStream;
 
-constexpr std::chrono::seconds kPatience{30};
+constexpr std::chrono::seconds kUntilItStops{30};
 
 class StoppingTest : public ::testing::Test {
  protected:
   // Starts it and finds its admin page.
   void Start(ServerProcess& server) {
     ASSERT_TRUE(server.Start());
-    const auto admin = server.ReadLine("arapd admin on ", kPatience);
+    const auto admin = server.ReadLine("arapd admin on ", kUntilItStops);
     ASSERT_TRUE(admin);
     admin_ = *admin;
   }
@@ -45,7 +45,7 @@ TEST_F(StoppingTest, ReadinessGoesFirstThenStreamsThenTheProcess) {
   stream.Opened("s", "h", v1::DELIVERY_LATEST);
 
   server.Signal(SIGTERM);
-  ASSERT_TRUE(Eventually([&] { return Get("/readyz") == 404; }, kPatience));
+  ASSERT_TRUE(Eventually([&] { return Get("/readyz") == 404; }, kUntilItStops));
   EXPECT_EQ(Get("/healthz"), 200);
   // Everything works: old streams, new ones, new sessions.
   stream.Update(1, {});
@@ -61,7 +61,7 @@ TEST_F(StoppingTest, ReadinessGoesFirstThenStreamsThenTheProcess) {
   server.Signal(SIGHUP);  // does not cut the delay short
   EXPECT_TRUE(Eventually(
       [&] { return server.Log().find("event=reloaded what=access") != std::string::npos; },
-      kPatience));
+      kUntilItStops));
   EXPECT_TRUE(client.CreateSession("later").ok());
 
   server.Signal(SIGTERM);
@@ -70,7 +70,7 @@ TEST_F(StoppingTest, ReadinessGoesFirstThenStreamsThenTheProcess) {
   EXPECT_EQ(moved.metadata.at("resume"), "open_again");
   EXPECT_GT(moved.retry_seconds, 0);
   EXPECT_LT(moved.retry_seconds, 10);
-  EXPECT_EQ(server.Wait(kPatience), 0);
+  EXPECT_EQ(server.Wait(kUntilItStops), 0);
   EXPECT_THAT(server.Log(), HasSubstr("event=stopped"));
 }
 
@@ -83,7 +83,7 @@ TEST_F(StoppingTest, GraceIsBounded) {
   DeformStream stream(client.deformation());
   stream.Opened("s", "h", v1::DELIVERY_EVERY);
   server.Signal(SIGINT);
-  EXPECT_EQ(server.Wait(kPatience), 0);
+  EXPECT_EQ(server.Wait(kUntilItStops), 0);
 }
 
 TEST_F(StoppingTest, HangupReloadsAndServesOn) {
@@ -92,7 +92,7 @@ TEST_F(StoppingTest, HangupReloadsAndServesOn) {
   server.Signal(SIGHUP);
   EXPECT_TRUE(Eventually(
       [&] { return server.Log().find("event=reloaded what=access") != std::string::npos; },
-      kPatience));
+      kUntilItStops));
   EXPECT_EQ(Get("/readyz"), 200);
   EXPECT_TRUE(FaultClient(server.address()).Info().ok());
 }
@@ -102,8 +102,8 @@ TEST_F(StoppingTest, AdminPageCanBeLeftOut) {
   ASSERT_TRUE(server.Start());
   EXPECT_TRUE(FaultClient(server.address()).Info().ok());
   server.Signal(SIGTERM);
-  EXPECT_FALSE(server.ReadLine("arapd admin on ", kPatience));
-  EXPECT_EQ(server.Wait(kPatience), 0);
+  EXPECT_FALSE(server.ReadLine("arapd admin on ", kUntilItStops));
+  EXPECT_EQ(server.Wait(kUntilItStops), 0);
 }
 
 }  // namespace
