@@ -44,10 +44,12 @@ void Assembly::Add(const Chart& chart, ChartLayout layout) {
   flat_.times.factor += layout.factor_times.numbers;
 }
 
-Result<Flattening> Assembly::Finish(std::span<const Wishes> wishes, bool injective,
+Result<Flattening> Assembly::Finish(std::span<const Wishes> wishes, const FlattenOptions& options,
                                     const CancelToken& cancel) {
-  PlaceCharts(wishes, chart_of_, flat_.uv, flat_.first_step);
-  if (injective) CHECK_OK(CheckUpright());
+  if (charts_.size() > 1 || options.energy.basis != Basis::kEdgeAsPublished) {
+    PlaceCharts(wishes, chart_of_, flat_.uv, flat_.first_step);
+  }
+  if (options.injective) CHECK_OK(CheckUpright());
   Corners();
   CHECK_OK(cancel.Check());
   Measure();

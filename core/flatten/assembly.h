@@ -24,10 +24,11 @@ class Assembly {
 
   void Add(const Chart& chart, ChartLayout layout);
 
-  // Places the charts side by side, then measures them and looks for overlaps. Faults:
-  // kNotInjective (when `injective` is asked for and the last rounding collapses a triangle),
-  // kNumerical, of `cancel`.
-  Result<Flattening> Finish(std::span<const Wishes> wishes, bool injective,
+  // Places the charts side by side, then measures them and looks for overlaps. A single chart of
+  // kEdgeAsPublished stays as published, its first anchor at 0 and the other on the u axis. Faults:
+  // kNotInjective (when that is asked for and the last rounding collapses a triangle), kNumerical,
+  // of `cancel`.
+  Result<Flattening> Finish(std::span<const Wishes> wishes, const FlattenOptions& options,
                             const CancelToken& cancel);
 
  private:

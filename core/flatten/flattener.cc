@@ -163,7 +163,7 @@ Result<Flattening> FlattenPrepared(const PreparedSurfaceParts& surface,
     }
     assembly.Add(chart, *std::move(layout));
   }
-  TRY(auto flat, assembly.Finish(wishes, options.injective, cancel));
+  TRY(auto flat, assembly.Finish(wishes, options, cancel));
   flat.times.solve = timer.Lap() - flat.times.order - flat.times.factor;
   return flat;
 }

@@ -192,47 +192,46 @@ std::vector<Motion> PackCharts(std::span<Complex> uv, std::span<const std::uint3
 
 void PlaceCharts(std::span<const Wishes> wishes, std::span<const std::uint32_t> chart,
                  std::vector<Complex>& uv, std::vector<Complex>& first_step) {
-  if (wishes.size() < 2) return;
   std::vector<std::vector<Complex>> points(wishes.size());
   for (std::size_t v = 0; v < chart.size(); ++v) {
     if (chart[v] != kNone) points[chart[v]].push_back(uv[v]);
   }
-  // Pinned charts keep their place and the sheet of the others begins right of them.
-  double right = -std::numeric_limits<double>::infinity(), low = 0;
-  std::vector<Complex> turns(wishes.size(), 1);
+  // A chart turns about its single pin, which so stays where it is to the last bit.
+  std::vector<Complex> turns(wishes.size(), 1), centres(wishes.size());
   std::size_t free_charts = 0;
   for (std::uint32_t c = 0; c < wishes.size(); ++c) {
-    if (wishes[c].pins.empty()) {
-      ++free_charts;
-      if (wishes[c].grain) continue;
-      turns[c] = UprightTurn(std::move(points[c]));
-      continue;
-    }
-    for (const Complex p : points[c]) {
-      if (p.real() > right) right = p.real(), low = p.imag();
-    }
+    if (wishes[c].pins.empty()) ++free_charts;
+    if (wishes[c].grain || wishes[c].pinned()) continue;
+    turns[c] = UprightTurn(std::move(points[c]));
+    if (!wishes[c].pins.empty()) centres[c] = wishes[c].pins.front().uv;
   }
+  // Pinned charts keep their place and the sheet of the others begins right of them.
+  double right = -std::numeric_limits<double>::infinity(), low = 0;
   std::vector<std::uint32_t> free(chart.size(), kNone);
   for (std::size_t v = 0; v < chart.size(); ++v) {
-    if (chart[v] == kNone || !wishes[chart[v]].pins.empty()) continue;
-    free[v] = chart[v];
-    uv[v] *= turns[chart[v]];
-    first_step[v] *= turns[chart[v]];
+    const std::uint32_t c = chart[v];
+    if (c == kNone) continue;
+    if (turns[c] != 1.0) {
+      uv[v] = turns[c] * (uv[v] - centres[c]) + centres[c];
+      first_step[v] = turns[c] * (first_step[v] - centres[c]) + centres[c];
+    }
+    if (wishes[c].pins.empty()) {
+      free[v] = c;
+    } else if (uv[v].real() > right) {
+      right = uv[v].real(), low = uv[v].imag();
+    }
   }
+  if (free_charts == 0) return;
   const auto motions = PackCharts(uv, free, {.gap = 0.05, .rotate = false});
+  Extent sheet;
   for (std::size_t v = 0; v < free.size(); ++v) {
     if (free[v] == kNone) continue;
-    first_step[v] = motions[free[v]].rotation * first_step[v] + motions[free[v]].shift;
+    first_step[v] += motions[free[v]].shift;
+    sheet.Include(uv[v]);
   }
-  if (free_charts == wishes.size() || free_charts == 0) return;
   // Beside the pinned ones, a twentieth of the sheet away.
-  double left = std::numeric_limits<double>::infinity(), far = -left;
-  for (std::size_t v = 0; v < free.size(); ++v) {
-    if (free[v] == kNone) continue;
-    left = std::min(left, uv[v].real());
-    far = std::max(far, uv[v].real());
-  }
-  const Complex shift(right - left + 0.05 * (far - left), low);
+  Complex shift = -sheet.low;
+  if (free_charts < wishes.size()) shift += Complex(right + 0.05 * sheet.width(), low);
   for (std::size_t v = 0; v < free.size(); ++v) {
     if (free[v] == kNone) continue;
     uv[v] += shift;

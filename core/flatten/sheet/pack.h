@@ -43,8 +43,9 @@ std::vector<Motion> PackCharts(std::span<Complex> uv, std::span<const std::uint3
 Complex UprightTurn(std::vector<Complex> points);
 
 // Moves whole charts of `uv` (and of `first_step` alike) so that no bounding boxes overlap: charts
-// with pins stay, the others are packed next to them, turned upright unless a grain line says how
-// they lie. A single chart stays where it is. `chart` (#U) is the chart of each flat position, or
+// with pins stay, the others are packed next to them. All are turned upright, those with a single
+// pin about it, but not where several pins or a grain line say how they lie. Without pins the sheet
+// begins at (0, 0), also that of a single chart. `chart` (#U) is the chart of each flat position, or
 // kNone.
 void PlaceCharts(std::span<const Wishes> wishes, std::span<const std::uint32_t> chart,
                  std::vector<Complex>& uv, std::vector<Complex>& first_step);

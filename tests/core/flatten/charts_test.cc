@@ -1,4 +1,5 @@
 // Surfaces of several charts, cut, closed or with triangles that have no area.
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -26,6 +27,30 @@ TEST(ChartsTest, ComponentsLieSideBySideAtTrueSize) {
   const std::vector<Complex> first(flat.uv.begin(),
                                    flat.uv.begin() + static_cast<long>(roll.flat.size()));
   EXPECT_LE(RelativeDistanceUpToMotion(first, roll.flat), 1e-8);
+}
+
+// The corners of the box around all points.
+std::pair<Complex, Complex> BoxOf(const std::vector<Complex>& points) {
+  Complex low = points[0], high = points[0];
+  for (const Complex p : points) {
+    low = {std::min(low.real(), p.real()), std::min(low.imag(), p.imag())};
+    high = {std::max(high.real(), p.real()), std::max(high.imag(), p.imag())};
+  }
+  return {low, high};
+}
+
+TEST(ChartsTest, AChartThatIsAloneLiesOnItsSmallestRectangle) {
+  const Developable roll = RolledSheet(20, 8, 10, 4, 1.5, 1);
+  const auto [low, high] = BoxOf(roll.flat);
+  for (const Basis basis : {Basis::kFace, Basis::kEdge}) {
+    FlattenOptions options = Refined();
+    options.energy.basis = basis;
+    const Flattening flat = Must(Flatten(roll.surface, options));
+    const auto [corner, opposite] = BoxOf(flat.uv);
+    EXPECT_LE(std::abs(corner), 1e-9);
+    EXPECT_LE(std::abs(opposite - (high - low)), 1e-7);
+    EXPECT_LE(RelativeDistanceUpToMotion(flat.uv, roll.flat), 1e-8);
+  }
 }
 
 TEST(ChartsTest, ClosedSurfacesNeedACut) {

@@ -170,7 +170,7 @@ struct FlattenTimes {
   bool operator==(const FlattenTimes&) const = default;
 };
 
-// A flat surface, true to size. #U > #V where it was cut.
+// A flat surface, true to size, every chart on its smallest rectangle. #U > #V where it was cut.
 struct Flattening {
   std::vector<Complex> uv;                              // #U
   std::vector<std::uint32_t> source;                    // #U, input vertices; the first #V in order
