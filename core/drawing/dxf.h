@@ -7,9 +7,9 @@
 
 namespace arap {
 
-// DXF of release 12 (ASCII), one drawing unit a millimetre, y up. Layers: OUTLINE and CUT (the
-// allowance) with closed polylines, SEAM with open polylines along the parts of the outline that
-// were cut open, GRAIN with lines. Six decimals.
+// DXF of release 2000 (ASCII), the first that says its unit: millimetres ($INSUNITS 4,
+// $MEASUREMENT 1), y up. Layers: OUTLINE and SEAM with polylines, closed where they are, CUT (the
+// allowance) with closed ones, GRAIN with lines. Three digits more than DigitsFor the pattern.
 std::string FormatDxf(const Pattern& pattern);
 
 }  // namespace arap

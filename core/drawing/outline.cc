@@ -195,6 +195,11 @@ void Bounds::Add(std::span<const Complex> points) {
   for (const Complex point : points) Add(point);
 }
 
+Bounds Bounds::Moved(Complex by) const {
+  if (empty) return *this;
+  return {min_x + by.real(), min_y + by.imag(), max_x + by.real(), max_y + by.imag(), false};
+}
+
 Result<std::vector<Ring>> OffsetOutwards(const std::vector<Ring>& rings, double width,
                                          BorderBudget& budget) {
   std::vector<std::vector<Complex>> curves;

@@ -18,6 +18,7 @@ struct Bounds {
   // A point that is not finite is passed over.
   void Add(Complex point);
   void Add(std::span<const Complex> points);
+  Bounds Moved(Complex by) const;
   double width() const { return max_x - min_x; }
   double height() const { return max_y - min_y; }
 };

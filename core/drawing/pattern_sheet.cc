@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMargin = 10;
 
-// Millimetres with at most three decimals and without a minus before zero.
+// Millimetres with at most so many decimals and without a minus before zero.
 std::string Number(double value, int decimals) {
   std::string text = fmt::format("{:.{}f}", value, decimals);
   text.erase(text.find_last_not_of('0') + 1);
@@ -24,42 +24,45 @@ std::string Number(double value, int decimals) {
 
 class Page {
  public:
-  explicit Page(const Pattern& pattern) {
-    for (const Triangle& t : pattern.triangles) {
-      for (const std::uint32_t u : t) bounds_.Add(pattern.points[u]);
-    }
-    for (const Ring& ring : pattern.allowance) bounds_.Add(ring);
-    scale_ = std::max(1.0, std::max(bounds_.width(), bounds_.height()) / 300);
+  explicit Page(const Pattern& pattern) : bounds_(pattern.Box()), digits_(DigitsFor(pattern)) {
+    const double side = std::max(bounds_.width(), bounds_.height());
+    scale_ = std::max(1.0, side / 300);
+    // In small pieces lines would cover what they are round.
+    constexpr double kSmall = 50, kThinnest = 1e-3;
+    stroke_ = side < kSmall ? std::max(side / kSmall, kThinnest) : scale_;
   }
 
   double width() const { return bounds_.width() + 2 * kMargin; }
   double height() const { return bounds_.height() + 2 * kMargin; }
-  // Lines and letters grow with large pieces, so that an overview still shows them.
+  // Letters and lines grow with large pieces, so that an overview still shows them.
   double scale() const { return scale_; }
+  double stroke() const { return stroke_; }
+  int digits() const { return digits_; }
 
-  std::string Place(Complex p, int decimals) const {
-    return Number(p.real() - bounds_.min_x + kMargin, decimals) + " " +
-           Number(bounds_.max_y - p.imag() + kMargin, decimals);
+  std::string Place(Complex p, int digits) const {
+    return Number(p.real() - bounds_.min_x + kMargin, digits) + " " +
+           Number(bounds_.max_y - p.imag() + kMargin, digits);
   }
 
   std::string Path(std::span<const Complex> points, const std::vector<std::uint32_t>& line,
-                   bool closed, int decimals) const {
+                   bool closed) const {
     std::string out;
     for (const std::uint32_t u : line) {
-      out += (out.empty() ? "M" : "L") + Place(points[u], decimals);
+      out += (out.empty() ? "M" : "L") + Place(points[u], digits_ - 1);
     }
     return out + (closed ? "Z" : "");
   }
 
-  std::string Path(const Ring& ring) const {
+  std::string Path(std::span<const Complex> line, bool closed) const {
     std::string out;
-    for (const Complex p : ring) out += (out.empty() ? "M" : "L") + Place(p, 3);
-    return out + "Z";
+    for (const Complex p : line) out += (out.empty() ? "M" : "L") + Place(p, digits_);
+    return out + (closed ? "Z" : "");
   }
 
  private:
   Bounds bounds_;
-  double scale_;
+  int digits_;
+  double scale_, stroke_;
 };
 
 std::string Group(std::string_view id, std::string_view style, const std::string& body) {
@@ -68,8 +71,8 @@ std::string Group(std::string_view id, std::string_view style, const std::string
 }
 
 std::string Stroke(std::string_view color, double width, std::string_view more = {}) {
-  return fmt::format(R"(fill="none" stroke="{}" stroke-width="{:.2f}" stroke-linejoin="round"{})",
-                     color, width, more);
+  return fmt::format(R"(fill="none" stroke="{}" stroke-width="{}" stroke-linejoin="round"{})",
+                     color, Number(width, 5), more);
 }
 
 std::string PathElement(const std::string& data) { return fmt::format("<path d=\"{}\"/>\n", data); }
@@ -79,7 +82,7 @@ std::string Triangles(const Pattern& pattern, double range, const Page& page) {
   for (const auto& [shade, lines] :
        TrianglesByShade(pattern.triangles, pattern.singular_values, range)) {
     std::string data;
-    for (const auto& line : lines) data += page.Path(pattern.points, line, /*closed=*/true, 2);
+    for (const auto& line : lines) data += page.Path(pattern.points, line, /*closed=*/true);
     // The stroke closes the hairlines between neighbours.
     fmt::format_to(std::back_inserter(out), "<path fill=\"{0}\" stroke=\"{0}\" d=\"{1}\"/>\n",
                    StrainColor(shade), data);
@@ -87,25 +90,28 @@ std::string Triangles(const Pattern& pattern, double range, const Page& page) {
   return out;
 }
 
-std::string LinePaths(const Pattern& pattern, const Lines& lines, bool closed, int decimals,
-                      const Page& page) {
-  std::string out;
-  for (const auto& line : lines) {
-    out += PathElement(page.Path(pattern.points, line, closed, decimals));
-  }
-  return out;
+// A line with an arrow head at its end.
+std::string GrainArrow(std::span<const Complex> line, const Page& page) {
+  const Complex a = line[0], b = line[1];
+  const double length = std::abs(b - a);
+  const Complex back = (a - b) / length * std::min(4 * page.stroke(), length / 3);
+  const std::array<Complex, 3> head{b + back * std::polar(1.0, 0.4), b,
+                                    b + back * std::polar(1.0, -0.4)};
+  return PathElement(page.Path(line, /*closed=*/false)) +
+         PathElement(page.Path(head, /*closed=*/false));
 }
 
-// A line with an arrow head at its end.
-std::string GrainArrow(const std::array<Complex, 2>& line, const Page& page) {
-  const auto [a, b] = line;
-  const double length = std::abs(b - a);
-  const Complex back = (a - b) / length * std::min(4 * page.scale(), length / 3);
-  const Complex left = b + back * std::polar(1.0, 0.4);
-  const Complex right = b + back * std::polar(1.0, -0.4);
-  return PathElement("M" + page.Place(a, 3) + "L" + page.Place(b, 3)) +
-         PathElement("M" + page.Place(left, 3) + "L" + page.Place(b, 3) + "L" +
-                     page.Place(right, 3));
+// All lines of a kind.
+std::string Paths(const Pattern& pattern, LineKind kind, const Page& page) {
+  std::string out;
+  for (const PatternPiece& piece : pattern.pieces) {
+    for (const PatternLine& line : piece.lines) {
+      if (line.kind != kind) continue;
+      out += kind == LineKind::kGrain ? GrainArrow(line.points, page)
+                                      : PathElement(page.Path(line.points, line.closed));
+    }
+  }
+  return out;
 }
 
 std::string Text(double x, double y, double size, std::string_view text) {
@@ -144,32 +150,39 @@ std::string Legend(double range, double top, double scale) {
 
 std::string FormatPattern(const Pattern& pattern, const PatternSheet& sheet) {
   const Page page(pattern);
-  const double s = page.scale();
+  const double s = page.scale(), stroke = page.stroke();
   const double range = StrainRange(LargestStrainPercent(pattern.singular_values));
   std::string body;
   if (sheet.strain) {
-    body += Group("strain", "stroke-width=\"0.1\"", Triangles(pattern, range, page));
+    body +=
+        Group("strain", fmt::format("stroke-width=\"{}\"", Number(0.1 * std::min(1.0, stroke), 5)),
+              Triangles(pattern, range, page));
   }
   if (sheet.interior) {
-    body += Group("interior", Stroke("#8a8378", 0.15 * s, " stroke-opacity=\"0.6\""),
-                  LinePaths(pattern, InnerLines(pattern.triangles), /*closed=*/false, 2, page));
+    std::string inner;
+    for (const auto& line : InnerLines(pattern.triangles)) {
+      inner += PathElement(page.Path(pattern.points, line, /*closed=*/false));
+    }
+    body += Group("interior", Stroke("#8a8378", 0.15 * stroke, " stroke-opacity=\"0.6\""), inner);
   }
-  std::string allowance;
-  for (const Ring& ring : pattern.allowance) allowance += PathElement(page.Path(ring));
-  body += Group("allowance", Stroke("#2b2622", 0.35 * s), allowance);
-  const std::string dashed = fmt::format(" stroke-dasharray=\"{:.2f} {:.2f}\"", 2.5 * s, 1.5 * s);
-  body += Group("outline",
-                Stroke("#2b2622", 0.5 * s, pattern.allowance.empty() ? std::string() : dashed),
-                LinePaths(pattern, pattern.outlines, /*closed=*/true, 3, page));
-  body += Group("seam", Stroke("#c2410c", 0.6 * s),
-                LinePaths(pattern, pattern.seams, /*closed=*/false, 3, page));
-  std::string grain;
-  for (const auto& line : pattern.grain_lines) grain += GrainArrow(line, page);
-  body += Group("grain", Stroke("#1d4ed8", 0.4 * s), grain);
+  const std::string allowance = Paths(pattern, LineKind::kAllowance, page);
+  body += Group("allowance", Stroke("#2b2622", 0.35 * stroke), allowance);
+  // Where there is an allowance, one cuts along that.
+  const std::string dashed = allowance.empty()
+                                 ? std::string()
+                                 : fmt::format(" stroke-dasharray=\"{} {}\"",
+                                               Number(2.5 * stroke, 5), Number(1.5 * stroke, 5));
+  body += Group("outline", Stroke("#2b2622", 0.5 * stroke, dashed),
+                Paths(pattern, LineKind::kOutline, page));
+  body +=
+      Group("seam", Stroke("#c2410c", 0.6 * stroke, dashed), Paths(pattern, LineKind::kSeam, page));
+  body += Group("grain", Stroke("#1d4ed8", 0.4 * stroke), Paths(pattern, LineKind::kGrain, page));
 
+  std::string ground;
   double width = page.width(), height = page.height();
   if (sheet.strain) {
     width = std::max(width, 2 * kMargin + 150 * s);
+    ground = "<rect width=\"100%\" height=\"100%\" fill=\"#fbf9f5\"/>\n";
     const double top = height + 3 * s;
     body += Legend(range, top, s);
     height = top + 16 * s;
@@ -180,8 +193,8 @@ std::string FormatPattern(const Pattern& pattern, const PatternSheet& sheet) {
   }
   return fmt::format(
       R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}mm" height="{1}mm" viewBox="0 0 {0} {1}">)"
-      "\n<rect width=\"100%\" height=\"100%\" fill=\"{2}\"/>\n{3}</svg>\n",
-      Number(width, 3), Number(height, 3), sheet.strain ? "#fbf9f5" : "#ffffff", body);
+      "\n{2}{3}</svg>\n",
+      Number(width, page.digits()), Number(height, page.digits()), ground, body);
 }
 
 }  // namespace arap

@@ -56,7 +56,7 @@ void AddDrawing(CLI::App& command, FlattenFlags& flags) {
       ->check(Positive())
       ->option_text("MM");
   drawing->add_flag("--interior", flags.interior, "draw the edges inside too; SVG only");
-  drawing->add_flag("--plain", flags.plain, "lines only, without colours and legend; SVG only");
+  drawing->add_flag("--plain", flags.plain, "nothing besides the lines; SVG only");
 }
 
 void AddSurfaceFlags(CLI::App& command, FlattenFlags& flags) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 #include <random>
+#include <set>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -76,37 +77,41 @@ struct DxfEntity {
   Polyline points;
 };
 
-// Reads what FormatDxf writes, as a stranger would: pairs of lines.
-std::vector<DxfEntity> ReadDxf(const std::string& text, std::vector<std::string>& layers) {
-  std::istringstream lines(text);
-  std::vector<std::pair<int, std::string>> pairs;
-  for (std::string code, value; std::getline(lines, code) && std::getline(lines, value);) {
-    pairs.emplace_back(std::stoi(code), value);
-  }
-  EXPECT_EQ(pairs.back(), std::pair(0, std::string("EOF")));
+struct DxfFile {
+  std::map<std::string, std::string> header;  // of each variable the first value
+  std::vector<std::string> layers;
   std::vector<DxfEntity> entities;
-  std::string section, type;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const auto& [code, value] = pairs[i];
+};
+
+// Reads what FormatDxf writes, as a stranger would: pairs of lines.
+DxfFile ReadDxf(const std::string& text) {
+  DxfFile file;
+  std::istringstream lines(text);
+  std::string section, type, variable;
+  std::set<std::string> handles;
+  for (std::string head, value; std::getline(lines, head) && std::getline(lines, value);) {
+    const int code = std::stoi(head);
     if (code == 0) type = value;
     if (code == 2 && type == "SECTION") section = value;
-    if (code == 2 && type == "LAYER" && section == "TABLES" && value != "LAYER") {
-      layers.push_back(value);
+    if (section == "HEADER" && code == 9) variable = value;
+    if (section == "HEADER" && code != 9) file.header.try_emplace(variable, value);
+    if (section != "HEADER" && (code == 5 || code == 105)) {
+      EXPECT_TRUE(handles.insert(value).second) << "the handle " << value << " is there twice";
     }
+    if (code == 2 && type == "LAYER") file.layers.push_back(value);
     if (section != "ENTITIES") continue;
-    if (code == 0 && (value == "POLYLINE" || value == "LINE"))
-      entities.push_back({value, {}, {}, {}});
-    if (code == 0 && value == "VERTEX") entities.back().points.emplace_back();
-    if (entities.empty()) continue;
-    DxfEntity& entity = entities.back();
+    if (code == 0 && (value == "LWPOLYLINE" || value == "LINE")) {
+      file.entities.push_back({value, {}, {}, {}});
+    }
+    if (file.entities.empty()) continue;
+    DxfEntity& entity = file.entities.back();
     if (code == 8) entity.layer = value;
     if (code == 70) entity.closed = value == "1";
-    if (type == "LINE" && (code == 10 || code == 11)) entity.points.emplace_back();
-    if (type == "POLYLINE" || entity.points.empty()) continue;
-    if (code == 10 || code == 11) entity.points.back().real(std::stod(value));
+    if (code == 10 || code == 11) entity.points.emplace_back(std::stod(value), 0);
     if (code == 20 || code == 21) entity.points.back().imag(std::stod(value));
   }
-  return entities;
+  EXPECT_EQ(type, "EOF");
+  return file;
 }
 
 // The paths of a group, each M x y L x y … and perhaps Z.
@@ -131,41 +136,95 @@ std::vector<std::pair<Polyline, bool>> Paths(const std::string& svg, const std::
   return paths;
 }
 
+// The lines of a kind of all pieces, closed ones with their first point repeated.
+std::vector<Polyline> LinesOf(const Pattern& pattern, LineKind kind) {
+  std::vector<Polyline> lines;
+  for (const PatternPiece& piece : pattern.pieces) {
+    for (const PatternLine& line : piece.lines) {
+      if (line.kind != kind) continue;
+      lines.push_back(line.points);
+      if (line.closed) lines.back().push_back(line.points.front());
+    }
+  }
+  return lines;
+}
+
 TEST(Pattern, HasOutlinesSeamsAndGrainInMillimetres) {
   const std::vector<GrainLine> grain{{0, 1, 0}, {2, 3, std::numbers::pi}, {1, 3, 0}};
   const Pattern pattern = Made(CutSquare(), {10, 0, grain});
   EXPECT_EQ(pattern.points[1], Complex(40, 0));
-  EXPECT_THAT(pattern.outlines, ElementsAre(ElementsAre(0, 1, 2), ElementsAre(4, 5, 3)));
-  EXPECT_THAT(pattern.seams, ElementsAre(ElementsAre(2, 0), ElementsAre(4, 5)));
+  // The outline goes on where the seam ends, and is nowhere drawn below it.
+  EXPECT_THAT(LinesOf(pattern, LineKind::kOutline),
+              ElementsAre(ElementsAre(Complex(0, 0), Complex(40, 0), Complex(40, 40)),
+                          ElementsAre(Complex(140, 40), Complex(100, 40), Complex(100, 0))));
+  EXPECT_THAT(LinesOf(pattern, LineKind::kSeam),
+              ElementsAre(ElementsAre(Complex(40, 40), Complex(0, 0)),
+                          ElementsAre(Complex(100, 0), Complex(140, 40))));
   // Each on the piece that has both ends; 1 and 3 are on different ones.
-  EXPECT_THAT(pattern.grain_lines, ElementsAre(ElementsAre(Complex(0, 0), Complex(40, 0)),
-                                               ElementsAre(Complex(140, 40), Complex(100, 40))));
-  EXPECT_TRUE(pattern.allowance.empty());
+  EXPECT_THAT(LinesOf(pattern, LineKind::kGrain),
+              ElementsAre(ElementsAre(Complex(0, 0), Complex(40, 0)),
+                          ElementsAre(Complex(140, 40), Complex(100, 40))));
+  EXPECT_TRUE(LinesOf(pattern, LineKind::kAllowance).empty());
+  ASSERT_EQ(pattern.pieces.size(), 2u);
+  EXPECT_EQ(pattern.pieces[1].box.min_x, 100);
+  EXPECT_EQ(pattern.pieces[1].box.width(), 40);
+  EXPECT_EQ(pattern.Box().width(), 140);
 }
 
 TEST(Pattern, ALoopOfCutsIsOneSeam) {
   Flattening flat = CutSquare();
   flat.cuts = {{0, 1}, {1, 2}, {0, 2}};
   const Pattern pattern = Made(flat, {});
-  EXPECT_THAT(pattern.seams, ElementsAre(ElementsAre(0, 1, 2, 0), ElementsAre(4, 5)));
+  EXPECT_THAT(LinesOf(pattern, LineKind::kSeam),
+              ElementsAre(testing::SizeIs(4), ElementsAre(Complex(10, 0), Complex(14, 4))));
+  EXPECT_THAT(LinesOf(pattern, LineKind::kOutline), ElementsAre(testing::SizeIs(3)));
+}
+
+// A cut into a flat sheet does not open, and both its sides lie in one place.
+TEST(Pattern, ASlitIsDrawnOnce) {
+  Flattening flat;
+  flat.uv = {{0, 0}, {2, 0}, {4, 0}, {4, 4}, {0, 4}, {2, 2}, {2, 0}};
+  flat.source = {0, 1, 2, 3, 4, 5, 1};
+  flat.cuts = {{1, 5}};
+  flat.corner_uv = {{0, 1, 5}, {6, 2, 5}, {2, 3, 5}, {3, 4, 5}, {4, 0, 5}};
+  flat.triangle_chart = {0, 0, 0, 0, 0};
+  flat.charts.resize(1);
+  flat.charts[0].loops = {{0, 1, 5, 6, 2, 3, 4}};
+  const Pattern pattern = Made(flat, {});
+  EXPECT_THAT(LinesOf(pattern, LineKind::kSeam),
+              ElementsAre(ElementsAre(Complex(2, 0), Complex(2, 2))));
+  double length = 0;
+  for (const Polyline& line : LinesOf(pattern, LineKind::kOutline)) length += Length(line, false);
+  EXPECT_NEAR(length, 16, 1e-12);
+}
+
+TEST(Pattern, DigitsShowTheSmallestPiece) {
+  EXPECT_EQ(DigitsFor(Made(CutSquare(), {10, 0, {}})), 3);
+  EXPECT_EQ(DigitsFor(Made(CutSquare(), {0.1, 0, {}})), 5);
+  EXPECT_EQ(DigitsFor(Made(CutSquare(), {1e-9, 0, {}})), 9);
+  EXPECT_EQ(DigitsFor({}), 3);
 }
 
 TEST(Pattern, PiecesThatTheAllowanceBringsTogetherAreSetApart) {
   const Pattern apart = Made(CutSquare(), {1, 1, {}});
   EXPECT_EQ(apart.points, CutSquare().uv);
   const Pattern close = Made(CutSquare(5), {1, 1, {}});
-  ASSERT_EQ(close.allowance.size(), 2u);
+  const std::vector<Polyline> allowance = LinesOf(close, LineKind::kAllowance);
+  ASSERT_EQ(allowance.size(), 2u);
   std::array<Bounds, 2> boxes;
-  for (std::size_t i = 0; i < 2; ++i) boxes[i].Add(close.allowance[i]);
+  for (std::size_t i = 0; i < 2; ++i) boxes[i].Add(allowance[i]);
   EXPECT_TRUE(boxes[0].max_x < boxes[1].min_x || boxes[1].max_y < boxes[0].min_y);
-  // Moved, not bent: the piece is where its allowance is.
+  // Moved, not bent: the piece with its lines is where its allowance is.
   EXPECT_NEAR(std::abs(close.points[5] - close.points[4]), std::hypot(4, 4), 1e-12);
-  for (const std::size_t u : {4u, 5u, 3u}) {
-    EXPECT_GT(close.points[u].real(), boxes[1].min_x);
-    EXPECT_LT(close.points[u].real(), boxes[1].max_x);
-    EXPECT_GT(close.points[u].imag(), boxes[1].min_y);
-    EXPECT_LT(close.points[u].imag(), boxes[1].max_y);
+  Polyline moved = LinesOf(close, LineKind::kSeam)[1];
+  moved.insert(moved.end(), {close.points[4], close.points[5], close.points[3]});
+  for (const Complex p : moved) {
+    EXPECT_GT(p.real(), boxes[1].min_x);
+    EXPECT_LT(p.real(), boxes[1].max_x);
+    EXPECT_GT(p.imag(), boxes[1].min_y);
+    EXPECT_LT(p.imag(), boxes[1].max_y);
   }
+  EXPECT_NEAR(close.pieces[1].box.min_x, close.points[3].real(), 1e-12);
 }
 
 TEST(Allowance, OfARectangleIsALargerOne) {
@@ -262,25 +321,24 @@ TEST(Allowance, KeepsItsWidthRoundASharpAndAHollowCorner) {
   }
 }
 
-TEST(Dxf, LayersLengthsAndClosedOutlinesReadBack) {
+TEST(Dxf, UnitLayersAndLengthsReadBack) {
   const std::vector<GrainLine> grain{{0, 1, 0}};
   const Pattern pattern = Made(CutSquare(), {10, 5, grain});
-  std::vector<std::string> layers;
-  const std::vector<DxfEntity> entities = ReadDxf(FormatDxf(pattern), layers);
-  EXPECT_THAT(layers, ElementsAre("OUTLINE", "SEAM", "GRAIN", "CUT"));
+  const DxfFile file = ReadDxf(FormatDxf(pattern));
+  EXPECT_EQ(file.header.at("$INSUNITS"), "4");
+  EXPECT_EQ(file.header.at("$MEASUREMENT"), "1");
+  EXPECT_THAT(file.layers, ElementsAre("0", "OUTLINE", "SEAM", "CUT", "GRAIN"));
   std::map<std::string, std::vector<DxfEntity>> by_layer;
-  for (const DxfEntity& entity : entities) by_layer[entity.layer].push_back(entity);
+  for (const DxfEntity& entity : file.entities) by_layer[entity.layer].push_back(entity);
   const double diagonal = std::hypot(40, 40);
   ASSERT_EQ(by_layer["OUTLINE"].size(), 2u);
-  for (const DxfEntity& outline : by_layer["OUTLINE"]) {
-    EXPECT_TRUE(outline.closed);
-    EXPECT_NEAR(Length(outline.points, true), 80 + diagonal, 1e-5);
-    EXPECT_NEAR(Area(outline.points), 800, 1e-3);  // counter-clockwise, not mirrored
-  }
   ASSERT_EQ(by_layer["SEAM"].size(), 2u);
-  for (const DxfEntity& seam : by_layer["SEAM"]) {
-    EXPECT_FALSE(seam.closed);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const DxfEntity &outline = by_layer["OUTLINE"][i], &seam = by_layer["SEAM"][i];
+    EXPECT_FALSE(outline.closed || seam.closed);
+    EXPECT_NEAR(Length(outline.points, false), 80, 1e-5);
     EXPECT_NEAR(Length(seam.points, false), diagonal, 1e-5);
+    EXPECT_NEAR(Area(outline.points), 800, 1e-3);  // counter-clockwise, not mirrored
   }
   ASSERT_EQ(by_layer["GRAIN"].size(), 1u);
   EXPECT_EQ(by_layer["GRAIN"][0].type, "LINE");
@@ -300,14 +358,25 @@ TEST(PatternSheet, IsInMillimetres) {
   const auto outlines = Paths(svg, "outline");
   ASSERT_EQ(outlines.size(), 2u);
   for (const auto& [line, closed] : outlines) {
-    EXPECT_TRUE(closed);
-    EXPECT_NEAR(Length(line, true), 80 + std::hypot(40, 40), 0.01);
+    EXPECT_FALSE(closed);
+    EXPECT_NEAR(Length(line, false), 80, 0.01);
     EXPECT_NEAR(Area(line), -800, 0.1);  // y goes down
   }
   EXPECT_EQ(Paths(svg, "seam").size(), 2u);
-  for (const char* absent : {"strain", "interior", "grain", "allowance"}) {
-    EXPECT_THAT(svg, Not(HasSubstr("id=\"" + std::string(absent)))) << absent;
+  // A cutter would cut along anything else.
+  for (const char* absent :
+       {"id=\"strain", "id=\"interior", "id=\"grain", "id=\"allowance", "<rect", "<text"}) {
+    EXPECT_THAT(svg, Not(HasSubstr(absent)));
   }
+}
+
+// 0.4 mm: thousandths would bend its sides, and lines of usual width would cover it.
+TEST(PatternSheet, SmallPiecesKeepTheirShape) {
+  const Pattern pattern = Made(CutSquare(), {0.1, 0, {}});
+  const auto outlines = Paths(FormatPattern(pattern, {false, false, {}}), "outline");
+  ASSERT_EQ(outlines.size(), 2u);
+  EXPECT_NEAR(Length(outlines[0].first, false), 0.8, 1e-4);
+  EXPECT_THAT(FormatPattern(pattern, {true, false, {}}), HasSubstr("stroke-width=\"0.014\""));
 }
 
 TEST(PatternSheet, HasWhatIsAskedFor) {
