@@ -1,5 +1,6 @@
 #include "core/files/text_file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <filesystem>
 #include <sstream>
@@ -14,10 +15,19 @@
 namespace arap {
 namespace {
 
-auto CannotWrite(const std::string& path) {
-  const std::string reason = errno != 0 ? std::generic_category().message(errno) : "unknown reason";
-  return Fail(FaultKind::kInternal, fmt::format("cannot write {}: {}", path, reason));
+std::string Reason(int error) {
+  return error != 0 ? std::generic_category().message(error) : "unknown reason";
 }
+
+auto CannotWrite(const std::string& path) {
+  return Fail(FaultKind::kInternal, fmt::format("cannot write {}: {}", path, Reason(errno)));
+}
+
+auto CannotBeWritten(const std::string& path, std::string_view reason) {
+  return Fail(FaultKind::kInvalidOption, fmt::format("cannot write {}: {}", path, reason));
+}
+
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 }  // namespace
 
@@ -31,13 +41,67 @@ Result<std::string> ReadTextFile(const std::string& path) {
         errno != 0 ? std::generic_category().message(errno) : "nothing to read";
     return Fail(FaultKind::kNotFound, fmt::format("{}: {}", path, reason));
   }
-  return std::move(text).str();
+  std::string whole = std::move(text).str();
+  if (whole.starts_with(kByteOrderMark)) whole.erase(0, kByteOrderMark.size());
+  return whole;
 }
 
 Status WriteTextFile(const std::string& path, std::string_view text) {
   OutputFile file(path);
   CHECK_OK(file.Write(text));
   return file.Close();
+}
+
+Status CheckWritable(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::file_status file = fs::status(path, error);
+  if (fs::is_directory(file)) return CannotBeWritten(path, "it is a folder");
+  fs::path target = path;
+  if (fs::exists(file)) {
+    if (access(path.c_str(), W_OK) == 0) return {};
+    const int reason = errno;
+    // Another file takes the place of a regular one; the rest is written as it is.
+    if (!fs::is_regular_file(fs::symlink_status(path, error))) {
+      return CannotBeWritten(path, Reason(reason));
+    }
+  } else {
+    // A link makes the file that it names.
+    constexpr int kMostLinks = 40;
+    for (int i = 0; i < kMostLinks && fs::is_symlink(fs::symlink_status(target, error)); ++i) {
+      target = target.parent_path() / fs::read_symlink(target, error);
+    }
+  }
+  if (target.filename().empty()) return CannotBeWritten(path, "there is no name of a file");
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  if (access((folder / ".").c_str(), W_OK | X_OK) == 0) return {};
+  return CannotBeWritten(path, Reason(errno));
+}
+
+std::string_view TakeLine(std::string_view& text) {
+  const std::size_t end = text.find_first_of("\r\n");
+  const std::string_view line = text.substr(0, end);
+  if (end == std::string_view::npos) {
+    text = {};
+  } else {
+    text.remove_prefix(end + (text.substr(end).starts_with("\r\n") ? 2 : 1));
+  }
+  return line;
+}
+
+TextPlace PlaceAt(std::string_view text, std::size_t offset) {
+  std::string_view rest = text;
+  TextPlace place;
+  for (;; ++place.line) {
+    const std::size_t start = text.size() - rest.size();
+    const std::string_view line = TakeLine(rest);
+    const std::size_t next = text.size() - rest.size();
+    if (offset >= next && next > start + line.size()) continue;  // beyond the end of this line
+    const std::string_view before = line.substr(0, std::min(offset - start, line.size()));
+    const auto begins = [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80; };
+    place.column += static_cast<std::size_t>(std::count_if(before.begin(), before.end(), begins));
+    return place;
+  }
 }
 
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {

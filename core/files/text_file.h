@@ -1,6 +1,7 @@
-// Files of text: read at once, written whole or not at all.
+// Files of text: read at once, written whole or not at all; and where in a text something stands.
 #pragma once
 
+#include <cstddef>
 #include <fstream>
 #include <string>
 #include <string_view>
@@ -9,10 +10,27 @@
 
 namespace arap {
 
-// kNotFound with the path and the system's reason.
+// Without the byte order mark of UTF-8 that some programs begin their files with. kNotFound with the
+// path and the system's reason.
 Result<std::string> ReadTextFile(const std::string& path);
 // kInternal with the path and the system's reason; what was there before is then still there.
 Status WriteTextFile(const std::string& path, std::string_view text);
+// Whether a file could be written there now, as far as folders and permissions say. Makes and
+// changes nothing. kInvalidOption with the path and the reason.
+Status CheckWritable(const std::string& path);
+
+// Cuts the first line off a text that is not empty; its end (LF, CRLF or CR) goes with it and is not
+// part of the answer.
+std::string_view TakeLine(std::string_view& text);
+
+// A place in a text as editors count: both from 1, columns in characters.
+struct TextPlace {
+  std::size_t line = 1, column = 1;
+
+  bool operator==(const TextPlace&) const = default;
+};
+// That of a byte; of the end for one beyond. O(offset).
+TextPlace PlaceAt(std::string_view text, std::size_t offset);
 
 // A file that is written piece by piece. It is there when Close has succeeded, in the place of one
 // that was there before; else it never was, and its bytes are given back: whoever stops half-way

@@ -47,6 +47,15 @@ TEST(Seams, JsonCountsFromZeroInAnyOfItsForms) {
   }
 }
 
+TEST(Seams, LinesEndAsAnyProgramEndsThem) {
+  for (const char* text : {"1 2\n3 4\n", "1 2\r\n3 4", "1 2\r3 4\r"}) {
+    const auto seams = ParseSeams(text, "s.txt", kVertices);
+    ASSERT_TRUE(seams) << seams.error().message;
+    EXPECT_THAT(*seams, ElementsAre(Edge(0, 1), Edge(2, 3))) << text;
+  }
+  EXPECT_EQ(SeamFault("1 2\r\r1 10\r"), "s.txt:3: vertex 10: the surface has 9");
+}
+
 TEST(Seams, FaultsNameTheLine) {
   EXPECT_EQ(SeamFault("1 2\n\n0 1\n"), "s.txt:3: vertex 0: vertices count from 1");
   EXPECT_EQ(SeamFault("1 10\n"), "s.txt:1: vertex 10: the surface has 9");
@@ -59,12 +68,14 @@ TEST(Seams, FaultsNameTheLine) {
 }
 
 TEST(Seams, JsonFaultsNameTheElement) {
-  EXPECT_THAT(SeamFault("[[0, 1], [2]]"), HasSubstr("element 1: [2] is not a pair"));
-  EXPECT_THAT(SeamFault("[[0, 9]]"),
-              HasSubstr("element 0: 9 is not a vertex: they go from 0 to 8"));
+  EXPECT_EQ(SeamFault("[[0, 1], [2]]"), "s.txt:1:10: element 1: [2] is not a pair of vertices");
+  EXPECT_EQ(SeamFault("[[0, 1],\n [0, 9]]"),
+            "s.txt:2:2: element 1: 9 is not a vertex: they go from 0 to 8");
+  EXPECT_EQ(SeamFault("{\"cut_edges\":\n[0, 1, 2, 9]}"),
+            "s.txt:2:11: element 3: 9 is not a vertex: they go from 0 to 8");
   EXPECT_THAT(SeamFault("[[0, -1]]"), HasSubstr("-1 is not a vertex"));
   EXPECT_THAT(SeamFault("[0, 1, 2]"), HasSubstr("3 vertices do not make pairs"));
-  EXPECT_THAT(SeamFault("[0, 1"), HasSubstr("not JSON"));
+  EXPECT_EQ(SeamFault("[0, 1"), "s.txt:1:6: not JSON: unexpected end of input; expected ']'");
   EXPECT_THAT(SeamFault("{\"edges\": []}"), HasSubstr("cut_edges"));
 }
 
@@ -84,6 +95,8 @@ TEST(Pins, FaultsNameTheLine) {
   EXPECT_THAT(PinFault("1 0 0 1 1\n"), HasSubstr("p.txt:1: a pin is"));
   EXPECT_EQ(PinFault("1 0 here\n"), "p.txt:1: 'here' is not a finite number");
   EXPECT_EQ(PinFault("1 0 nan\n"), "p.txt:1: 'nan' is not a finite number");
+  EXPECT_EQ(PinFault("1 0,5 1\n"), "p.txt:1: '0,5' is not a finite number; decimal comma?");
+  EXPECT_EQ(PinFault("1 0 0\r2 0 0\r\n3 0 x"), "p.txt:3: 'x' is not a finite number");
   EXPECT_EQ(PinFault("1 0 1e999\n"), "p.txt:1: '1e999' is not a finite number");
   EXPECT_THAT(PinFault("1 0 0 -1\n"), HasSubstr("p.txt:1: a weight is not negative"));
   EXPECT_EQ(PinFault("\n10 0 0\n"), "p.txt:2: vertex 10: the surface has 9");
@@ -95,7 +108,8 @@ std::string RigidityFault(const std::string& text) {
 }
 
 TEST(Rigidity, IsANumberPerTriangle) {
-  for (const char* text : {"# stiff at the waist\n1\n\n 2.5e1 # here\n1e6\r\n", "[1, 25, 1e6]"}) {
+  for (const char* text :
+       {"# stiff at the waist\n1\n\n 2.5e1 # here\n1e6\r\n", "1\r25\r1e6", "[1, 25, 1e6]"}) {
     const auto rigidity = ParseRigidity(text, "r.txt", kTriangles);
     ASSERT_TRUE(rigidity) << rigidity.error().message;
     EXPECT_THAT(*rigidity, ElementsAre(1, 25, 1e6)) << text;
@@ -116,9 +130,9 @@ TEST(Rigidity, FaultsNameTheLineAndTheLimit) {
 }
 
 TEST(Rigidity, JsonFaultsNameTheElementAndTheLimit) {
-  EXPECT_EQ(RigidityFault("[1, \"stiff\", 1]"), "r.txt: element 1: \"stiff\" is not a number");
+  EXPECT_EQ(RigidityFault("[1, \"stiff\", 1]"), "r.txt:1:5: element 1: \"stiff\" is not a number");
   EXPECT_EQ(RigidityFault("[1, 1, 2e6]"),
-            "r.txt: element 2: a rigidity of 2000000 is not above 0 and at most 1000000");
+            "r.txt:1:8: element 2: a rigidity of 2000000 is not above 0 and at most 1000000");
   EXPECT_THAT(RigidityFault("[1, 1, 1, 1]"), HasSubstr("4 numbers; the surface has 3 triangles"));
   EXPECT_THAT(RigidityFault("[1, 1"), HasSubstr("not JSON"));
   EXPECT_THAT(RigidityFault("{\"rigidity\": 1}"), HasSubstr("not an array of numbers"));

@@ -218,12 +218,13 @@ TEST_F(FlattenCommand, FilesThatAreWrongAreNamedWithTheirLine) {
   const Outcome pins = Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--pins",
                                 Path("pins.txt"), "--out", Path("flat.obj")});
   EXPECT_EQ(pins.code, 1);
-  EXPECT_THAT(pins.err, HasSubstr("pins.txt:2: vertex 226: the surface has 225"));
+  EXPECT_THAT(pins.err,
+              HasSubstr("--pins " + Path("pins.txt") + ":2: vertex 226: the surface has 225"));
   Put("seams.txt", "1 2 3\nback\n");
   const Outcome seams = Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--seams",
                                  Path("seams.txt"), "--out", Path("flat.obj")});
   EXPECT_EQ(seams.code, 1);
-  EXPECT_THAT(seams.err, HasSubstr("seams.txt:2: a seam goes from"));
+  EXPECT_THAT(seams.err, HasSubstr("--seams " + Path("seams.txt") + ":2: a seam goes from"));
   Put("rigidity.txt", "1\n1\n0\n");
   const Outcome rigidity = Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--rigidity",
                                     Path("rigidity.txt"), "--out", Path("flat.obj")});
@@ -232,7 +233,7 @@ TEST_F(FlattenCommand, FilesThatAreWrongAreNamedWithTheirLine) {
   const Outcome missing = Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--seams",
                                    Path("none.txt"), "--out", Path("flat.obj")});
   EXPECT_EQ(missing.code, 1);
-  EXPECT_THAT(missing.err, HasSubstr("none.txt"));
+  EXPECT_THAT(missing.err, HasSubstr("--seams " + Path("none.txt")));
 }
 
 constexpr const char* kTetrahedron =

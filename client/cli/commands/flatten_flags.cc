@@ -18,28 +18,22 @@ namespace {
 
 void AddOutputs(CLI::App& command, FlattenFlags& flags) {
   auto* const outputs = command.add_option_group("Output", "what to write, at least one");
-  outputs->add_option("--out", flags.out, "the surface with flat positions as vt")
-      ->option_text("FILE.obj");
-  outputs
-      ->add_option("--svg", flags.svg,
-                   "the pieces at true size, each triangle coloured by its larger principal strain")
-      ->option_text("FILE.svg");
-  outputs
-      ->add_option("--dxf", flags.dxf,
-                   "the pieces in millimetres on the layers OUTLINE, SEAM, GRAIN and CUT")
-      ->option_text("FILE.dxf");
-  auto* const report =
-      outputs->add_option("--report", flags.report, "the measures of distortion and what was cut")
-          ->option_text("FILE.json");
+  AddOutput(*outputs, "--out", flags.out, "the surface with flat positions as vt", "FILE.obj");
+  AddOutput(*outputs, "--svg", flags.svg,
+            "the pieces at true size, each triangle coloured by its larger principal strain",
+            "FILE.svg");
+  AddOutput(*outputs, "--dxf", flags.dxf,
+            "the pieces in millimetres on the layers OUTLINE, SEAM, GRAIN and CUT", "FILE.dxf");
+  auto* const report = AddOutput(*outputs, "--report", flags.report,
+                                 "the measures of distortion and what was cut", "FILE.json");
   outputs
       ->add_flag("--sigma", flags.sigma,
                  "list the singular values s1 s2 of every triangle in the report too")
       ->needs(report);
-  outputs
-      ->add_option("--compare", flags.compare,
-                   "the layouts of several methods side by side with their measures; --method, "
-                   "--basis, --weights, --anchors, --refine and --injective do not change it")
-      ->option_text("FILE.svg");
+  AddOutput(*outputs, "--compare", flags.compare,
+            "the layouts of several methods side by side with their measures; --method, --basis, "
+            "--weights, --anchors, --refine and --injective do not change it",
+            "FILE.svg");
   outputs->require_option(1, 0);
 }
 
@@ -177,6 +171,19 @@ auto DoesNotGo(const char* flag, Method method, const char* field) {
                   .Field(field));
 }
 
+// What a file says about so many elements of the surface; nothing without a file. Faults begin with
+// the flag.
+template <class List>
+Result<List> ReadInput(const std::string& flag, const std::string& path,
+                       Result<List> (*parse)(const std::string& text, const std::string& name,
+                                             std::size_t count),
+                       std::size_t count) {
+  if (path.empty()) return List();
+  Result<std::string> text = ReadTextFile(path);
+  if (!text) return Fail(text.error().kind, flag + text.error().message);
+  return parse(*text, flag + path, count);
+}
+
 }  // namespace
 
 Result<FlattenOptions> MethodFlags::Options() const {
@@ -225,18 +232,10 @@ Result<client::FlattenQuery> ReadQuery(const FlattenFlags& flags, std::size_t ve
   CutOptions cut = std::move(options.cut);
   TRY(options, flags.method.Options());
   options.cut = std::move(cut);
-  if (!flags.seams.empty()) {
-    TRY(const std::string text, ReadTextFile(flags.seams));
-    TRY(options.cut.seams, ParseSeams(text, flags.seams, vertex_count));
-  }
-  if (!flags.pins.empty()) {
-    TRY(const std::string text, ReadTextFile(flags.pins));
-    TRY(options.pins, ParsePins(text, flags.pins, vertex_count));
-  }
-  if (!flags.rigidity.empty()) {
-    TRY(const std::string text, ReadTextFile(flags.rigidity));
-    TRY(options.energy.rigidity, ParseRigidity(text, flags.rigidity, triangle_count));
-  }
+  TRY(options.cut.seams, ReadInput("--seams ", flags.seams, &ParseSeams, vertex_count));
+  TRY(options.pins, ReadInput("--pins ", flags.pins, &ParsePins, vertex_count));
+  TRY(options.energy.rigidity,
+      ReadInput("--rigidity ", flags.rigidity, &ParseRigidity, triangle_count));
   for (const std::string& text : flags.grain) {
     TRY(const GrainLine line, ParseGrain(text));
     CHECK_OK(CheckGrain(line, vertex_count));

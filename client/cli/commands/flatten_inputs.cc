@@ -13,10 +13,13 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/try.h"
+#include "core/files/json_text.h"
+#include "core/files/text_file.h"
 
 namespace arap::cli {
 namespace {
 
+using Json = nlohmann::ordered_json;
 using Words = std::vector<std::string>;
 using Edges = std::vector<std::array<std::uint32_t, 2>>;
 
@@ -47,14 +50,17 @@ Result<std::uint32_t> ParseVertex(const std::string& word, std::size_t vertex_co
   return static_cast<std::uint32_t>(*number - 1);
 }
 
+auto NotFinite(const std::string& word) {
+  return Bad(fmt::format("'{}' is not a finite number{}", word,
+                         word.find(',') == std::string::npos ? "" : "; decimal comma?"));
+}
+
 // Calls `read` with the words of every line that has any; its fault gets the number of the line.
-Status ReadLines(const std::string& text, const std::string& name,
+Status ReadLines(std::string_view text, const std::string& name,
                  const std::function<Status(const Words&)>& read) {
-  std::istringstream lines(text);
-  std::size_t number = 0;
-  for (std::string line; std::getline(lines, line);) {
-    ++number;
-    std::istringstream stream(line.substr(0, line.find('#')));
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::string_view line = TakeLine(text);
+    std::istringstream stream(std::string(line.substr(0, line.find('#'))));
     Words words;
     for (std::string word; stream >> word;) words.push_back(std::move(word));
     if (words.empty()) continue;
@@ -65,20 +71,31 @@ Status ReadLines(const std::string& text, const std::string& name,
   return {};
 }
 
-bool IsJson(const std::string& text) {
+bool IsJson(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
-  return first != std::string::npos && (text[first] == '[' || text[first] == '{');
+  return first != std::string_view::npos && (text[first] == '[' || text[first] == '{');
+}
+
+// `json` is what the text holds. One with a list beside other things has it in "cut_edges".
+std::string PlaceOfSeam(std::string_view text, const std::string& name, const Json& json,
+                        std::size_t element) {
+  return json.is_object() ? JsonPlace(text, name, {"cut_edges", element})
+                          : JsonPlace(text, name, {element});
 }
 
 Result<Edges> ParseJsonSeams(const std::string& text, const std::string& name,
                              std::size_t vertex_count) {
-  nlohmann::json json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (json.is_discarded()) return Bad(name + ": not JSON");
-  if (json.is_object()) json = json.value("cut_edges", nlohmann::json());
-  if (!json.is_array()) return Bad(name + ": neither a list of edges nor one in \"cut_edges\"");
+  TRY(const Json json, ParseJson(text, name));
+  const auto cut_edges = json.is_object() ? json.find("cut_edges") : json.end();
+  const Json& list = cut_edges != json.end() ? *cut_edges : json;
+  if (!list.is_array()) return Bad(name + ": neither a list of edges nor one in \"cut_edges\"");
+  const bool pairs = !list.empty() && list.front().is_array();
+  if (!pairs && list.size() % 2 != 0) {
+    return Bad(fmt::format("{}: {} vertices do not make pairs", name, list.size()));
+  }
   std::vector<std::uint32_t> seams;
   std::string fault;
-  const auto add = [&](const nlohmann::json& vertex) {
+  const auto add = [&](const Json& vertex) {
     if (!vertex.is_number_unsigned() || vertex.get<std::uint64_t>() >= vertex_count) {
       if (fault.empty()) {
         fault = fmt::format("{} is not a vertex: they go from 0 to {}", vertex.dump(),
@@ -88,19 +105,17 @@ Result<Edges> ParseJsonSeams(const std::string& text, const std::string& name,
     }
     seams.push_back(vertex.get<std::uint32_t>());
   };
-  const bool pairs = !json.empty() && json.front().is_array();
-  if (!pairs && json.size() % 2 != 0) {
-    return Bad(fmt::format("{}: {} vertices do not make pairs", name, json.size()));
-  }
-  for (std::size_t i = 0; i < json.size() && fault.empty(); ++i) {
+  for (std::size_t i = 0; i < list.size(); ++i) {
     if (!pairs) {
-      add(json[i]);
-    } else if (json[i].is_array() && json[i].size() == 2) {
-      for (const nlohmann::json& vertex : json[i]) add(vertex);
+      add(list[i]);
+    } else if (list[i].is_array() && list[i].size() == 2) {
+      for (const Json& vertex : list[i]) add(vertex);
     } else {
-      fault = json[i].dump() + " is not a pair of vertices";
+      fault = list[i].dump() + " is not a pair of vertices";
     }
-    if (!fault.empty()) return Bad(fmt::format("{}: element {}: {}", name, i, fault));
+    if (!fault.empty()) {
+      return Bad(fmt::format("{}: element {}: {}", PlaceOfSeam(text, name, json, i), i, fault));
+    }
   }
   Edges edges(seams.size() / 2);
   for (std::size_t i = 0; i < edges.size(); ++i) edges[i] = {seams[2 * i], seams[2 * i + 1]};
@@ -113,15 +128,16 @@ Status CheckRigidity(double rigidity) {
 }
 
 Result<std::vector<double>> ParseJsonRigidity(const std::string& text, const std::string& name) {
-  const nlohmann::json json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (json.is_discarded()) return Bad(name + ": not JSON");
+  TRY(const Json json, ParseJson(text, name));
   if (!json.is_array()) return Bad(name + ": not an array of numbers");
   std::vector<double> rigidity;
-  for (const nlohmann::json& element : json) {
+  for (const Json& element : json) {
     const Status good = element.is_number() ? CheckRigidity(element.get<double>())
                                             : Bad(element.dump() + " is not a number");
     if (!good) {
-      return Bad(fmt::format("{}: element {}: {}", name, rigidity.size(), good.error().message));
+      const std::size_t i = rigidity.size();
+      return Bad(
+          fmt::format("{}: element {}: {}", JsonPlace(text, name, {i}), i, good.error().message));
     }
     rigidity.push_back(element.get<double>());
   }
@@ -135,7 +151,7 @@ Result<std::vector<double>> ParseRigidityLines(const std::string& text, const st
       return Bad(fmt::format("a line has one rigidity, these are {} words", words.size()));
     }
     const std::optional<double> number = ParseFinite(words[0]);
-    if (!number) return Bad(fmt::format("'{}' is not a finite number", words[0]));
+    if (!number) return NotFinite(words[0]);
     rigidity.push_back(*number);
     return CheckRigidity(*number);
   }));
@@ -173,7 +189,7 @@ Result<std::vector<UvPin>> ParsePins(const std::string& text, const std::string&
     std::array<double, 3> numbers{};
     for (std::size_t i = 1; i < words.size(); ++i) {
       const std::optional<double> number = ParseFinite(words[i]);
-      if (!number) return Bad(fmt::format("'{}' is not a finite number", words[i]));
+      if (!number) return NotFinite(words[i]);
       numbers[i - 1] = *number;
     }
     pin.uv = {numbers[0], numbers[1]};

@@ -1,0 +1,27 @@
+// JSON that people write: a fault says where it is.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "arap/base/result.h"
+
+namespace arap {
+
+// kInvalidOption, "NAME:3:14: not JSON: what was found instead" with line and column.
+Result<nlohmann::ordered_json> ParseJson(std::string_view text, const std::string& name);
+
+// The member of an object, or the element of an array counted from 0.
+using JsonStep = std::variant<std::string_view, std::size_t>;
+
+// "NAME:3:14": where the value begins to which the steps lead from the outermost one, or the last of
+// them that is there. `text` is one that ParseJson reads. O(text).
+std::string JsonPlace(std::string_view text, const std::string& name,
+                      const std::vector<JsonStep>& steps);
+
+}  // namespace arap
