@@ -1,4 +1,7 @@
 // The command line itself: help, versions, usage errors, files that are wrong.
+#include <filesystem>
+#include <iterator>
+
 #include <gmock/gmock.h>
 
 #include "tests/cli/run.h"
@@ -80,10 +83,47 @@ TEST_F(Usage, AnAbsentServerIsAFailure) {
   EXPECT_THAT(outcome.err, HasSubstr("Cannot reach"));
 }
 
-TEST_F(Usage, SamplesThatCannotBeWritten) {
-  const Outcome outcome = Arapctl({"sample", "grid", "--out", Path("no/such/folder.obj")});
-  EXPECT_EQ(outcome.code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("cannot write"));
+// Before anything is read or connected to: neither the inputs nor the server are there.
+TEST_F(Usage, OutputsThatCannotBeWrittenAreAWrongCommandLine) {
+  const std::string old = Put("old", "before");
+  const std::vector<std::string> bake{"bake", "a.obj", "b.json", "--server", "unix:/nobody"};
+  const std::vector<std::string> drag{"drag", "a.obj", "b.json", "--server", "unix:/nobody"};
+  const std::vector<std::string> flatten{"flatten", "a.obj", "--server", "unix:/nobody"};
+  const std::vector<std::string> load{"load", "--server", "unix:/nobody"};
+  const std::vector<std::string> sample{"sample", "character"};
+  const std::pair<std::vector<std::string>, std::vector<const char*>> commands[] = {
+      {bake, {"--out", "--svg", "--frames-svg"}},
+      {drag, {"--out", "--svg", "--frames-svg", "--json"}},
+      {flatten, {"--out", "--svg", "--dxf", "--report", "--compare"}},
+      {load, {"--json"}},
+      {sample, {"--out", "--track"}},
+  };
+  const std::pair<std::string, const char*> wrong[] = {
+      {Path("no/such/folder"), "No such file or directory"},
+      {Path(""), "it is a folder"},
+      {old + "/new", "Not a directory"},
+  };
+  for (const auto& [command, flags] : commands) {
+    for (const char* flag : flags) {
+      for (const auto& [path, reason] : wrong) {
+        if (flag != flags.front() && path != wrong[0].first) continue;
+        std::vector<std::string> words = command;
+        // An output that is good beside it stays as it is.
+        if (flag != flags.front()) words.insert(words.end(), {flags.front(), old});
+        words.insert(words.end(), {flag, path});
+        const Outcome outcome = Arapctl(words);
+        EXPECT_EQ(outcome.code, 2) << testing::PrintToString(words);
+        EXPECT_THAT(outcome.err, HasSubstr(std::string(flag) + ": cannot write " + path))
+            << testing::PrintToString(words);
+        EXPECT_THAT(outcome.err, HasSubstr(reason));
+      }
+    }
+  }
+  const Outcome figures =
+      Arapctl({"figures", "--server", "unix:/nobody", "--out", Path("no/folder")});
+  EXPECT_EQ(figures.code, 2);
+  EXPECT_EQ(Slurp(old), "before");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(Path("")), {}), 1);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 
 #include "arap/model/energy.h"
 #include "client/cli/report.h"
+#include "core/files/text_file.h"
 
 namespace arap::cli {
 
@@ -63,6 +64,20 @@ inline CLI::Validator Between(double low, double high) {
 }
 // A number above 0.
 inline CLI::Validator Positive() { return Between(1e-9, 1e9); }
+
+// A file to write. That it can be written is known before there is anything to write: a folder that is
+// missing or not ours is a wrong command line.
+inline CLI::Option* AddOutput(CLI::App& command, const std::string& flag, std::string& path,
+                              const std::string& help, const std::string& text) {
+  return command.add_option(flag, path, help)
+      ->check(CLI::Validator(
+          [](std::string& name) {
+            const Status writable = CheckWritable(name);
+            return writable ? std::string() : writable.error().message;
+          },
+          ""))
+      ->option_text(text);
+}
 
 // --timeout: how long to wait for the server to send something new.
 struct Timeout {

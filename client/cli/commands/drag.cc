@@ -172,8 +172,7 @@ void AddDrag(CLI::App& app, Run& run) {
                    "be given again")
       ->allow_extra_args(false)
       ->option_text("X,Y");
-  command->add_option("--json", options->json, "write the times, edits and picks")
-      ->option_text("FILE.json");
+  AddOutput(*command, "--json", options->json, "write the times, edits and picks", "FILE.json");
   SetAction(*command, run, options, &Drag);
 }
 

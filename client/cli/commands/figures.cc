@@ -145,8 +145,14 @@ void AddFigures(CLI::App& app, Run& run) {
                                                "Draw Figures 2, 3 and 6 of the paper: the two "
                                                "steps, the three representations, flattenings");
   AddServerFlags(*command, options->server);
-  command->add_option("--out", options->out,
-                      "the folder for figure2.svg, figure3.svg and figure6.svg");
+  command
+      ->add_option("--out", options->out, "the folder for figure2.svg, figure3.svg and figure6.svg")
+      ->check(CLI::Validator(
+          [](std::string& folder) {
+            const Status writable = CheckWritable(folder + "/figure2.svg");
+            return writable ? std::string() : writable.error().message;
+          },
+          ""));
   SetAction(*command, run, options, &Draw);
 }
 

@@ -158,7 +158,7 @@ void AddLoad(CLI::App& app, Run& run) {
           "are opened; default as fast as they are answered")
       ->check(CLI::Range(0.01, 1e5).description(""))
       ->option_text("R");
-  command->add_option("--json", options->json, "write the result")->option_text("FILE.json");
+  AddOutput(*command, "--json", options->json, "write the result", "FILE.json");
   command->callback([options, &run] { run = [options] { return RunLoad(*options); }; });
 }
 

@@ -57,9 +57,7 @@ std::pair<CLI::App*, std::shared_ptr<SampleOptions>> AddOne(CLI::App& sample, Ru
                                                             Maker make) {
   auto options = std::make_shared<SampleOptions>();
   CLI::App* const command = sample.add_subcommand(name, help);
-  command->add_option("--out", options->out, "write the mesh")
-      ->required()
-      ->option_text("FILE.obj REQUIRED");
+  AddOutput(*command, "--out", options->out, "write the mesh", "FILE.obj REQUIRED")->required();
   SetAction(*command, run, options, make);
   return {command, options};
 }
@@ -72,7 +70,7 @@ void AddEdge(CLI::App& command, double& edge, double standard, double least, dou
 }
 
 void AddTrack(CLI::App& command, std::string& track) {
-  command.add_option("--track", track, "write a track for it")->option_text("FILE.json");
+  AddOutput(command, "--track", track, "write a track for it", "FILE.json");
 }
 
 }  // namespace

@@ -20,14 +20,12 @@ void AddStageOptions(CLI::App& command, StageOptions& options, bool out_required
       ->required();
   AddServerFlags(command, options.server);
   AddTimeout(command, options.timeout);
-  CLI::Option* const out =
-      command.add_option("--out", options.out, "write the shapes, a row per frame")
-          ->option_text(out_required ? "FILE.csv REQUIRED" : "FILE.csv");
-  out->required(out_required);
-  command.add_option("--svg", options.svg, "write an animation that loops")
-      ->option_text("FILE.svg");
-  command.add_option("--frames-svg", options.frames_svg, "write a sheet of eight frames")
-      ->option_text("FILE.svg");
+  AddOutput(command, "--out", options.out, "write the shapes, a row per frame",
+            out_required ? "FILE.csv REQUIRED" : "FILE.csv")
+      ->required(out_required);
+  AddOutput(command, "--svg", options.svg, "write an animation that loops", "FILE.svg");
+  AddOutput(command, "--frames-svg", options.frames_svg, "write a sheet of eight frames",
+            "FILE.svg");
   AddBasis(command, options.energy.basis, /*planar=*/true, "what moves rigidly; default edge");
   AddWeights(command, options.energy.weights, "of the edges; default uniform");
   CLI::Option* const as_published = command.add_flag(
