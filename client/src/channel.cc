@@ -31,7 +31,12 @@ Fault Bad(const char* field, const std::string& message) {
 
 // Whatever grpc connects to without leaving this machine.
 bool IsLocal(std::string_view address) {
-  if (address.starts_with("unix:")) return true;
+  if (address.starts_with("unix:") || address.starts_with("unix-abstract:")) return true;
+  for (const std::string_view scheme : {"dns:///", "dns:", "ipv4:", "ipv6:"}) {
+    if (!address.starts_with(scheme)) continue;
+    address.remove_prefix(scheme.size());
+    break;
+  }
   const std::string_view host = address.substr(0, address.rfind(':'));
   return host == "localhost" || host == "[::1]" ||
          (host.starts_with("127.") &&
@@ -120,8 +125,10 @@ Interceptors IdentitySender(const ConnectOptions& options) {
   return interceptors;
 }
 
-grpc::ChannelArguments Arguments() {
+grpc::ChannelArguments Arguments(std::string_view address) {
   grpc::ChannelArguments arguments;
+  // What http_proxy names cannot reach this machine; it is asked for other machines alone.
+  if (IsLocal(address)) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
   arguments.SetMaxSendMessageSize(kMaxMessageBytes);
   // A server that is back is found soon: by default pauses grow to two minutes.
@@ -136,14 +143,15 @@ grpc::ChannelArguments Arguments() {
 
 Channel::Channel(const std::string& address)
     : Channel([address] {
-        return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), Arguments());
+        return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(),
+                                         Arguments(address));
       }) {}
 
 Result<std::shared_ptr<Channel>> Channel::Open(const std::string& address,
                                                const ConnectOptions& options) {
   CHECK_OK(Check(address, options));
   TRY(const auto credentials, CredentialsOf(options));
-  grpc::ChannelArguments arguments = Arguments();
+  grpc::ChannelArguments arguments = Arguments(address);
   if (!options.server_name.empty()) arguments.SetSslTargetNameOverride(options.server_name);
   return std::shared_ptr<Channel>(new Channel([address, credentials, arguments, options] {
     return grpc::experimental::CreateCustomChannelWithInterceptors(address, credentials, arguments,

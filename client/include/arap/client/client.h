@@ -79,7 +79,8 @@ struct SessionPage {
 class Client {
  public:
   // `address` is host:port or unix:PATH. Connects in the background, plain text, with a connection
-  // of its own; never fails by itself.
+  // of its own; never fails by itself. Other machines are reached through the proxy that the
+  // environment names (grpc_proxy, https_proxy, http_proxy; no_proxy), this one never.
   static Client Connect(const std::string& address);
   // The same with TLS and an identity. kInvalidOption with the field for options that do not go
   // together, a file that cannot be read, or a token that would travel in plaintext; whether the
