@@ -129,9 +129,34 @@ class Walker {
   std::size_t at_ = 0;
 };
 
+// The bracket with which a text becomes too deep, which costs many times its length to keep. Brackets
+// in a text that is no JSON may count wrongly.
+std::optional<std::size_t> FirstTooDeep(std::string_view text) {
+  constexpr std::size_t kDeepest = 100;
+  std::size_t depth = 0;
+  bool quoted = false;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
+    if (quoted && c == '\\') {
+      ++at;
+    } else if (c == '"') {
+      quoted = !quoted;
+    } else if (!quoted && (c == '[' || c == '{')) {
+      if (++depth > kDeepest) return at;
+    } else if (!quoted && depth > 0 && (c == ']' || c == '}')) {
+      --depth;
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<nlohmann::ordered_json> ParseJson(std::string_view text, const std::string& name) {
+  if (const auto deep = FirstTooDeep(text)) {
+    return Fail(FaultKind::kInvalidOption,
+                PlaceName(text, name, *deep) + ": lists and objects are nested too deeply");
+  }
   auto json = nlohmann::ordered_json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!json.is_discarded()) return json;
   Critic critic;

@@ -13,7 +13,8 @@
 
 namespace arap {
 
-// kInvalidOption, "NAME:3:14: not JSON: what was found instead" with line and column.
+// kInvalidOption, "NAME:3:14: not JSON: what was found instead" with line and column; also for one
+// that is nested a hundred times and more.
 Result<nlohmann::ordered_json> ParseJson(std::string_view text, const std::string& name);
 
 // The member of an object, or the element of an array counted from 0.

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "client/cli/sample/samples.h"
 #include "core/files/mesh_file.h"
 #include "tests/cli/run.h"
 
@@ -102,6 +103,33 @@ TEST_F(Bake, FaultsOfTheServerNameReasonAndElements) {
   const Outcome handle = Arapctl({"bake", good, outside, "--spawn", "--out", Path("c.csv")});
   EXPECT_EQ(handle.code, 1);
   EXPECT_THAT(handle.err, HasSubstr("HANDLE_OUTSIDE"));
+}
+
+// What a tracker writes that has lost a marker: the handle stays where it was.
+TEST_F(Bake, LostMarkersKeepTheirLastTarget) {
+  const std::string mesh = Put("bar.obj", FormatObj(MakeGrid(11, 3)));
+  const auto track = [](const std::string& second, const std::string& last) {
+    return R"({"handles": [{"name": "a", "rest": [0, 1]}, {"name": "b", "rest": [5, 1]},
+                           {"name": "c", "rest": [10, 1]}],
+               "frames": [{"targets": [[0, 1], [5, 1.5], [10, 2]]},
+                          {"targets": [[0, 1], )" +
+           second + ", [10, 3]" + R"(]}, {"targets": [[0, 1], [5, 2])" + last + "]}]}";
+  };
+  const std::string whole = Put("whole.json", track("[5, 1.5]", ", [10, 3]"));
+  const std::string lost = Put("lost.json", track("null", ""));
+  for (const std::string command : {"bake", "drag"}) {
+    std::vector<std::string> words{command, mesh, whole, "--spawn", "--out", Path("whole.csv")};
+    if (command == "drag") words.insert(words.end(), {"--delivery", "every"});
+    ASSERT_EQ(Arapctl(words).code, 0);
+    words[2] = lost;
+    words[5] = Path("lost.csv");
+    const Outcome outcome = Arapctl(words);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("warning: kept_targets: " + lost +
+                                       ": 2 targets are null or missing, the first that of handle "
+                                       "\"b\" in frame 1"));
+    EXPECT_EQ(Slurp(Path("lost.csv")), Slurp(Path("whole.csv"))) << command;
+  }
 }
 
 TEST_F(Bake, DragEveryAnswersEveryUpdate) {

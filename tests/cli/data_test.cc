@@ -14,7 +14,7 @@
 #include "arap/core/registered_mesh.h"
 #include "client/cli/sample/samples.h"
 #include "core/files/mesh_file.h"
-#include "core/files/track.h"
+#include "core/files/track_file.h"
 #include "tests/support/compare.h"
 
 namespace arap::cli {

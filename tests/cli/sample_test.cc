@@ -12,6 +12,7 @@
 #include "client/cli/sample/samples.h"
 #include "core/drawing/svg.h"
 #include "core/files/mesh_file.h"
+#include "core/files/track_writer.h"
 
 namespace arap::cli {
 namespace {

@@ -12,6 +12,7 @@
 #include "core/base/try.h"
 #include "core/files/mesh_file.h"
 #include "core/files/text_file.h"
+#include "core/files/track_writer.h"
 
 namespace arap::cli {
 namespace {

@@ -11,6 +11,7 @@
 #include "core/base/try.h"
 #include "core/files/mesh_file.h"
 #include "core/files/text_file.h"
+#include "core/files/track_file.h"
 
 namespace arap::cli {
 
@@ -61,6 +62,7 @@ Stage::~Stage() = default;
 Result<Stage> Stage::Open(const StageOptions& options) {
   TRY(PlanarMesh mesh, ReadPlanarMesh(options.mesh));
   TRY(Track track, ReadTrack(options.track));
+  PrintWarnings(track.warnings);
   TRY(Connection connection, Connection::Open(options.server));
   const client::CallOptions call{options.timeout.value()};
   TRY(client::Session session, connection.client().CreateSession({}, call));

@@ -1,6 +1,8 @@
-#include "core/files/track.h"
-
 #include <gmock/gmock.h>
+
+#include "core/files/track_file.h"
+#include "core/files/track_writer.h"
+#include "tests/support/folder.h"
 
 namespace arap {
 namespace {
@@ -17,13 +19,15 @@ constexpr const char* kTrack = R"({
   "frames": [{"i": 0, "kind": "rest", "targets": [[1, 2.5], [0, 0], [-1, 0]]},
              {"targets": [[2, 2], [0, 0], [-1, 1e-3]]}]})";
 
+Result<Track> Parse(std::string_view json) { return ParseTrack(json, "t.json"); }
+
 std::string Complaint(const std::string& text) {
-  const Result<Track> track = ParseTrack(text);
+  const Result<Track> track = Parse(text);
   return track ? "no fault" : track.error().message;
 }
 
 TEST(Track, ReadsHandlesAnchorsAndFrames) {
-  const Result<Track> track = ParseTrack(kTrack);
+  const Result<Track> track = Parse(kTrack);
   ASSERT_TRUE(track) << track.error().message;
   EXPECT_EQ(track->mesh, "a.obj");
   ASSERT_EQ(track->handles.size(), 3u);
@@ -41,7 +45,7 @@ TEST(Track, ReadsHandlesAnchorsAndFrames) {
 }
 
 TEST(Track, TheEnergyWeightIsTheSquareOfTheRowWeight) {
-  Result<Track> track = ParseTrack(kTrack);
+  Result<Track> track = Parse(kTrack);
   ASSERT_TRUE(track);
   EXPECT_EQ(track->row_weight, 1000);
   EXPECT_EQ(ToHandles(*track, /*hard=*/false)[0].weight, 1e6);
@@ -56,16 +60,16 @@ TEST(Track, TheEnergyWeightIsTheSquareOfTheRowWeight) {
 }
 
 TEST(Track, WithoutAWeightItIsTheDefault) {
-  const Result<Track> track = ParseTrack(R"({"handles": [{"rest": [0, 0]}], "frames": []})");
+  const Result<Track> track = Parse(R"({"handles": [{"rest": [0, 0]}], "frames": []})");
   ASSERT_TRUE(track) << track.error().message;
   EXPECT_EQ(ToHandles(*track, false)[0].weight, Handle::kDefaultWeight);
 }
 
 TEST(Track, WhatIsWrittenReadsBackExactly) {
-  const Result<Track> track = ParseTrack(kTrack);
+  const Result<Track> track = Parse(kTrack);
   ASSERT_TRUE(track);
   const std::string text = FormatTrack(*track);
-  const Result<Track> back = ParseTrack(text);
+  const Result<Track> back = Parse(text);
   ASSERT_TRUE(back) << back.error().message;
   EXPECT_EQ(FormatTrack(*back), text);
   EXPECT_EQ(back->frames[1].targets, track->frames[1].targets);
@@ -73,7 +77,7 @@ TEST(Track, WhatIsWrittenReadsBackExactly) {
 }
 
 TEST(Track, GripsAnglesAndRigidityAreReadAndWritten) {
-  const Result<Track> track = ParseTrack(R"({"w": 10, "rigidity": [1, 50],
+  const Result<Track> track = Parse(R"({"w": 10, "rigidity": [1, 50],
     "handles": [{"rest": [0, 0], "weight": 7, "oriented": true, "area_radius": 2, "snap": true,
                  "depth": 3, "depth_falloff": 4}, {"rest": [1, 0], "hard": true}],
     "frames": [{"targets": [[0, 0], [1, 1]], "angles": [0.5, 0], "scales": [2, 1]}]})");
@@ -88,7 +92,7 @@ TEST(Track, GripsAnglesAndRigidityAreReadAndWritten) {
   EXPECT_EQ(handles[1].weight, Handle::kDefaultWeight);
   EXPECT_THAT(track->frames[0].targets, ElementsAre(Target{{0, 0}, 0.5, 2}, Target{{1, 1}, 0, 1}));
   EXPECT_THAT(track->rigidity, ElementsAre(1, 50));
-  const Result<Track> back = ParseTrack(FormatTrack(*track));
+  const Result<Track> back = Parse(FormatTrack(*track));
   ASSERT_TRUE(back) << back.error().message;
   EXPECT_EQ(FormatTrack(*back), FormatTrack(*track));
 }
@@ -101,7 +105,7 @@ constexpr const char* kEdits = R"({
             {"frame": 3, "remove": ["a"], "add": [{"name": "a", "rest": [2, 0], "vertex": 9}]}]})";
 
 TEST(Track, EditsCutItIntoSegments) {
-  const Result<Track> track = ParseTrack(kEdits);
+  const Result<Track> track = Parse(kEdits);
   ASSERT_TRUE(track) << track.error().message;
   const std::vector<TrackSegment> segments = SegmentsOf(*track);
   ASSERT_EQ(segments.size(), 3u);
@@ -121,12 +125,12 @@ TEST(Track, EditsCutItIntoSegments) {
   EXPECT_EQ(&SegmentAt(segments, 2), &segments[1]);
   EXPECT_EQ(&SegmentAt(segments, 3), &segments[2]);
   EXPECT_TRUE(ToHandles(*track, track->edits[0].add, /*hard=*/false)[0].hard);
-  EXPECT_EQ(FormatTrack(*ParseTrack(FormatTrack(*track))), FormatTrack(*track));
+  EXPECT_EQ(FormatTrack(*Parse(FormatTrack(*track))), FormatTrack(*track));
   EXPECT_THAT(FormatTrack(*track), HasSubstr(R"("edits":[{"frame":2,"add":[{"name":"h2")"));
 }
 
 TEST(Track, AnEditBeforeTheFirstFrameLeavesNoEmptySegment) {
-  const Result<Track> track = ParseTrack(R"({"handles": [{"rest": [0, 0]}],
+  const Result<Track> track = Parse(R"({"handles": [{"rest": [0, 0]}],
     "frames": [{"targets": []}], "edits": [{"frame": 0, "remove": ["h0"]}]})");
   ASSERT_TRUE(track) << track.error().message;
   const std::vector<TrackSegment> segments = SegmentsOf(*track);
@@ -157,26 +161,116 @@ TEST(Track, FaultsOfEditsSayWhichAndWhat) {
   EXPECT_THAT(complaint(R"([{"frame": 1, "add": [{"rest": [0, 0]}]},
                             {"frame": 1, "remove": ["h0"]}])"),
               HasSubstr("edit 1: the frames of edits"));
-  // A frame after an edit has as many targets as there are handles then.
-  EXPECT_THAT(complaint(R"([{"frame": 1, "add": [{"rest": [0, 0]}]}])"),
-              HasSubstr("frame 1 needs \"targets\""));
+  // Where it stands.
+  EXPECT_EQ(Complaint("{\"handles\": [],\n \"frames\": [{\"targets\": []}], \"edits\": [\n"
+                      "  {\"frame\": 0,\n   \"remove\": [\"b\"]}]}"),
+            "t.json:4:14: edit 0 removes \"b\", which is not there");
 }
 
-TEST(Track, FaultsSayWhatIsWrong) {
-  EXPECT_THAT(Complaint("{"), HasSubstr("not a JSON object"));
-  EXPECT_THAT(Complaint("[]"), HasSubstr("not a JSON object"));
-  EXPECT_THAT(Complaint("{}"), HasSubstr("\"handles\" and \"frames\""));
-  EXPECT_THAT(Complaint(R"({"handles": [1], "frames": []})"), HasSubstr("handle 0 needs"));
-  EXPECT_THAT(Complaint(R"({"handles": [{"rest": [1, "x"]}], "frames": []})"),
-              HasSubstr("handle 0 needs \"rest\""));
-  EXPECT_THAT(Complaint(R"({"handles": [{"rest": [1, 2], "triangle": -1}], "frames": []})"),
-              HasSubstr("\"triangle\""));
-  EXPECT_THAT(Complaint(R"({"handles": [{"rest": [1, 2], "vertex": 1.5}], "frames": []})"),
-              HasSubstr("\"vertex\""));
-  EXPECT_THAT(Complaint(R"({"handles": [{"rest": [1, 2]}], "frames": [{"targets": []}]})"),
-              HasSubstr("frame 0"));
-  EXPECT_THAT(Complaint(R"({"handles": [{"rest": [1, 2]}], "frames": [{"targets": [[1]]}]})"),
-              HasSubstr("target 0"));
+TEST(Track, FaultsSayWhatIsWrongAndWhere) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"{", "t.json:1:2: not JSON: unexpected end of input; expected string literal"},
+      {"{\"handles\": [],\r\n \"frames\": [],,}",
+       "t.json:2:15: not JSON: unexpected ','; expected string literal"},
+      {"[]", "t.json:1:1: not a JSON object"},
+      {"{}", "t.json:1:1: a track needs the arrays \"handles\" and \"frames\""},
+      {R"({"handles": [1], "frames": []})", "t.json:1:14: handle 0 needs \"rest\": [x, y]"},
+      {"{\"handles\": [{\"rest\": [1, 2]},\n {\"rest\": [1, \"x\"]}], \"frames\": []}",
+       "t.json:2:2: handle 1 needs \"rest\": [x, y]"},
+      {R"({"handles": [{"rest": [1, 2], "triangle": -1}], "frames": []})",
+       "t.json:1:14: handle 0 needs \"triangle\": index with \"bary\": [a, b, c]"},
+      {R"({"handles": [{"rest": [1, 2], "vertex": 1.5}], "frames": []})",
+       "t.json:1:14: handle 0: \"vertex\" is not an index"},
+      {R"({"handles": [{"rest": [1, 2]}], "frames": [{"targets": 7}]})",
+       "t.json:1:56: frame 0 needs \"targets\" with a pair or null for each of 1 handles"},
+      {R"({"handles": [{"rest": [1, 2]}], "frames": [{}]})",
+       "t.json:1:44: frame 0 needs \"targets\" with a pair or null for each of 1 handles"},
+      {R"({"handles": [], "frames": [{"targets": [[1, 2]]}]})",
+       "t.json:1:40: frame 0 needs \"targets\" with a pair or null for each of 0 handles"},
+      {"{\"handles\": [{\"rest\": [1, 2]}], \"frames\": [\n{\"targets\": [[1]]}]}",
+       "t.json:2:14: frame 0: target 0 is neither [x, y] nor null"},
+      {R"({"handles": [{"rest": [1, 2]}], "frames": [{"targets": [null], "angles": ["a"]}]})",
+       "t.json:1:75: frame 0: element 0 of angles is neither a number nor null"},
+      {R"({"handles": [{"rest": [1, 2]}], "frames": [{"targets": [null], "scales": [1, 2]}]})",
+       "t.json:1:74: frame 0: angles and scales have one number per handle"},
+      {R"({"rigidity": [1, "x"], "handles": [], "frames": []})",
+       "t.json:1:14: \"rigidity\" is not an array of numbers"},
+  };
+  for (const auto& [text, fault] : cases) EXPECT_EQ(Complaint(text), fault) << text;
+}
+
+// A marker that was lost: null, or at the end of the list nothing.
+TEST(Track, LostMarkersKeepTheirLastTarget) {
+  const Result<Track> track = Parse(R"({
+    "handles": [{"name": "a", "rest": [0, 10]}, {"name": "b", "rest": [50, 10]},
+                {"name": "c", "rest": [100, 10]}],
+    "frames": [{"targets": [[0, 10], null, [100, 20]]},
+               {"targets": [[0, 10], [50, 15], [100, 30]]},
+               {"targets": [[0, 11], null]},
+               {"targets": []},
+               {"targets": [[0, 12], [50, 20], [100, 40]]}]})");
+  ASSERT_TRUE(track) << track.error().message;
+  const auto at = [&](std::size_t frame) { return track->frames[frame].targets; };
+  EXPECT_THAT(at(0), ElementsAre(Target{{0, 10}}, Target{{50, 10}}, Target{{100, 20}}));
+  EXPECT_THAT(at(1), ElementsAre(Target{{0, 10}}, Target{{50, 15}}, Target{{100, 30}}));
+  EXPECT_THAT(at(2), ElementsAre(Target{{0, 11}}, Target{{50, 15}}, Target{{100, 30}}));
+  EXPECT_EQ(at(3), at(2));
+  EXPECT_THAT(at(4), ElementsAre(Target{{0, 12}}, Target{{50, 20}}, Target{{100, 40}}));
+  ASSERT_EQ(track->warnings.size(), 1u);
+  EXPECT_EQ(track->warnings[0].kind, "kept_targets");
+  EXPECT_EQ(track->warnings[0].count, 6u);
+  EXPECT_EQ(track->warnings[0].message,
+            "t.json: 6 targets are null or missing, the first that of handle \"b\" in frame 0; a "
+            "handle without one keeps what it had before");
+  EXPECT_TRUE(Parse(FormatTrack(*track))->warnings.empty());
+}
+
+TEST(Track, LostMarkersKeepAnglesAndScalesUnlessTheyAreGiven) {
+  const Result<Track> track = Parse(R"({
+    "handles": [{"rest": [0, 0], "oriented": true}, {"rest": [1, 0], "oriented": true}],
+    "frames": [{"targets": [[2, 2], [3, 3]], "angles": [0.5, 1], "scales": [2, 3]},
+               {"targets": [null, [4, 4]], "angles": [0.7, null]},
+               {"targets": [null, [5, 5]]}]})");
+  ASSERT_TRUE(track) << track.error().message;
+  EXPECT_THAT(track->frames[1].targets, ElementsAre(Target{{2, 2}, 0.7, 2}, Target{{4, 4}, 1, 1}));
+  EXPECT_THAT(track->frames[2].targets, ElementsAre(Target{{2, 2}, 0.7, 2}, Target{{5, 5}, 0, 1}));
+  EXPECT_EQ(track->warnings.at(0).count, 3u);
+}
+
+// Under its name there may have been another one.
+TEST(Track, AHandleThatIsAddedStartsAtItsOwnRestPlace) {
+  const Result<Track> track = Parse(R"({
+    "handles": [{"name": "a", "rest": [0, 0]}],
+    "frames": [{"targets": [[7, 7]]}, {"targets": [null]}, {"targets": [null]}],
+    "edits": [{"frame": 2, "remove": ["a"], "add": [{"name": "a", "rest": [1, 2]}]}]})");
+  ASSERT_TRUE(track) << track.error().message;
+  EXPECT_THAT(track->frames[1].targets, ElementsAre(Target{{7, 7}}));
+  EXPECT_THAT(track->frames[2].targets, ElementsAre(Target{{1, 2}}));
+}
+
+// What is not written takes no more memory than what is.
+TEST(Track, AShortTextAsksForNoMoreTargetsThanItIsLong) {
+  std::string text = R"({"handles": [)";
+  for (int i = 0; i < 1000; ++i) text += R"({"rest": [0, 0]},)";
+  text.back() = ']';
+  text += R"(, "frames": [)";
+  for (int i = 0; i < 1000; ++i) text += R"({"targets": []},)";
+  text.back() = ']';
+  EXPECT_THAT(Complaint(text + "}"), HasSubstr("more targets are missing than the text has"));
+}
+
+class TrackFiles : public FolderTest {};
+
+TEST_F(TrackFiles, AreReadAsOtherProgramsWriteThem) {
+  const std::string path = Put("t.json",
+                               "\xef\xbb\xbf{\"handles\": [{\"rest\": [0, 0]}],\r"
+                               "\"frames\": [{\"targets\": [[1, 2]]}]}\r\n");
+  const Result<Track> track = ReadTrack(path);
+  ASSERT_TRUE(track) << track.error().message;
+  EXPECT_EQ(track->frames[0].targets[0].position, Complex(1, 2));
+  Put("t.json", "{\"handles\": [],\r\"frames\": 1}");
+  EXPECT_EQ(ReadTrack(path).error().message,
+            path + ":1:1: a track needs the arrays \"handles\" and \"frames\"");
 }
 
 TEST(Track, AMissingFileIsNotFound) {
