@@ -71,10 +71,10 @@ TEST_F(Usage, MissingAndBadFilesAreNamed) {
   EXPECT_EQ(missing.code, 1);
   EXPECT_THAT(missing.err, HasSubstr("none.obj"));
 
-  const std::string square = Put("quad.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
-  const Outcome quad = Arapctl({"flatten", square, "--spawn", "--out", Path("c.obj")});
-  EXPECT_EQ(quad.code, 1);
-  EXPECT_THAT(quad.err, HasSubstr("not a triangle mesh"));
+  const std::string path = Put("face.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n");
+  const Outcome bad = Arapctl({"flatten", path, "--spawn", "--out", Path("c.obj")});
+  EXPECT_EQ(bad.code, 1);
+  EXPECT_THAT(bad.err, HasSubstr("face.obj:4: '0'"));
 }
 
 TEST_F(Usage, AnAbsentServerIsAFailure) {

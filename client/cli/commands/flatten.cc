@@ -56,7 +56,9 @@ Status Compare(const FlattenFlags& flags, const client::FlattenQuery& query,
 }
 
 Status Flatten(const FlattenFlags& flags) {
-  TRY(const SurfaceMesh mesh, ReadSurfaceMesh(flags.surface));
+  TRY(const SurfaceFile file, ReadSurfaceFile(flags.surface));
+  PrintWarnings(file.warnings);
+  const SurfaceMesh& mesh = file.mesh;
   TRY(const client::FlattenQuery query,
       ReadQuery(flags, mesh.vertices.size(), mesh.triangles.size()));
   TRY(const Connection connection, Connection::Open(flags.server));

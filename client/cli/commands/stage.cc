@@ -60,7 +60,9 @@ Stage::Stage(Connection connection, client::Session session, PlanarMesh mesh, Tr
 Stage::~Stage() = default;
 
 Result<Stage> Stage::Open(const StageOptions& options) {
-  TRY(PlanarMesh mesh, ReadPlanarMesh(options.mesh));
+  std::vector<Warning> notes;
+  TRY(PlanarMesh mesh, ReadPlanarMesh(options.mesh, &notes));
+  PrintWarnings(notes);
   TRY(Track track, ReadTrack(options.track));
   PrintWarnings(track.warnings);
   TRY(Connection connection, Connection::Open(options.server));

@@ -40,7 +40,7 @@ inline constexpr const char* kHandleSet = "track";
 class Stage {
  public:
   // Reads both files, connects, registers the mesh and compiles the handles. Prints the warnings of
-  // the server.
+  // the mesh file and of the server.
   static Result<Stage> Open(const StageOptions& options);
 
   Stage(Stage&&) = default;

@@ -1,0 +1,107 @@
+#include "core/files/surface_file.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/files/polygon.h"
+#include "core/files/text_scan.h"
+
+namespace arap {
+namespace {
+
+const SurfacePart* PartOf(const SurfaceFile& file, std::size_t face) {
+  const auto next =
+      std::upper_bound(file.parts.begin(), file.parts.end(), face,
+                       [](std::size_t f, const SurfacePart& part) { return f < part.first_face; });
+  return next == file.parts.begin() ? nullptr : &*std::prev(next);
+}
+
+// Counts faces of a kind, and is a warning about them in the end.
+class FaceCounter {
+ public:
+  FaceCounter(SurfaceFile& file, const std::string& name) : file_(file), name_(name) {}
+
+  void Add(std::size_t face) {
+    if (warning_.elements.size() < Fault::kMaxElements) {
+      warning_.elements.push_back(static_cast<std::uint32_t>(face));
+    }
+    ++warning_.count;
+  }
+  void Tell(std::string kind, std::string_view what) && {
+    if (warning_.count == 0) return;
+    warning_.kind = std::move(kind);
+    warning_.message = fmt::format("{}:{}: {} ({} in all)", name_,
+                                   file_.face_lines[warning_.elements[0]], what, warning_.count);
+    file_.warnings.push_back(std::move(warning_));
+  }
+
+ private:
+  SurfaceFile& file_;
+  const std::string& name_;
+  Warning warning_;
+};
+
+}  // namespace
+
+std::size_t SurfaceFile::FaceOf(std::size_t triangle) const {
+  const auto next = std::upper_bound(first_triangle.begin(), first_triangle.end(), triangle);
+  return static_cast<std::size_t>(next - first_triangle.begin()) - 1;
+}
+
+std::string_view SurfaceFile::ObjectOf(std::size_t face) const {
+  const SurfacePart* const part = PartOf(*this, face);
+  return part == nullptr ? std::string_view() : names[part->object];
+}
+
+std::string_view SurfaceFile::GroupOf(std::size_t face) const {
+  const SurfacePart* const part = PartOf(*this, face);
+  return part == nullptr ? std::string_view() : names[part->group];
+}
+
+void SurfaceFile::EndFace(std::size_t line) {
+  first_corner.push_back(static_cast<std::uint32_t>(corners.size()));
+  face_lines.push_back(static_cast<std::uint32_t>(line));
+}
+
+Status SurfaceFile::CutFaces(const std::string& name) {
+  FaceCounter unclear(*this, name), repeated(*this, name);
+  mesh.triangles.reserve(corners.size() - 2 * face_count());
+  first_triangle.reserve(face_count() + 1);
+  std::vector<std::uint32_t> distinct;
+  for (std::size_t f = 0; f < face_count(); ++f) {
+    std::span<const std::uint32_t> polygon = CornersOf(f);
+    const auto twin = std::adjacent_find(polygon.begin(), polygon.end());
+    if (polygon.size() > 3 && (twin != polygon.end() || polygon.front() == polygon.back())) {
+      distinct.clear();
+      std::unique_copy(polygon.begin(), polygon.end(), std::back_inserter(distinct));
+      while (distinct.size() > 3 && distinct.front() == distinct.back()) distinct.pop_back();
+      if (distinct.size() >= 3) {
+        polygon = distinct;
+        repeated.Add(f);
+      }
+    }
+    switch (CutPolygon(mesh.vertices, polygon, mesh.triangles)) {
+      case PolygonCut::kFan:
+      case PolygonCut::kEars:
+        break;
+      case PolygonCut::kUnclear:
+        unclear.Add(f);
+        break;
+      case PolygonCut::kTooLong:
+        return FailAt(name, face_lines[f],
+                      fmt::format("the face is concave and has {} corners; the limit is {}",
+                                  polygon.size(), kMaxConcaveCorners));
+    }
+    first_triangle.push_back(static_cast<std::uint32_t>(mesh.triangles.size()));
+  }
+  std::move(repeated).Tell("repeated_corners",
+                           "a face names a corner twice in a row, which counts once");
+  std::move(unclear).Tell("unclear_polygons",
+                          "a face has no area or crosses itself and is cut from its first corner");
+  return {};
+}
+
+}  // namespace arap

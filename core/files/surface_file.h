@@ -1,0 +1,58 @@
+// A surface as a file has it: the mesh for the work, and what leads from the mesh back to the file.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "arap/base/result.h"
+#include "arap/model/mesh.h"
+
+namespace arap {
+
+// From this face on the file speaks of this object and group.
+struct SurfacePart {
+  std::uint32_t first_face = 0;
+  std::uint32_t object = 0, group = 0;  // in `names`
+};
+
+// #V vertices and #P faces in the order of the file; #F triangles, those of a face one after the
+// other. It takes at most twelve bytes for each byte of the file.
+struct SurfaceFile {
+  // Faces of more than three corners are cut into triangles.
+  SurfaceMesh mesh;
+  // What was passed over or doubted; the sentences name the file and the line.
+  std::vector<Warning> warnings;
+  // The text of an OBJ file, for writing it again; empty when it was another format.
+  std::string text;
+
+  std::vector<std::uint32_t> corners;             // vertices, face by face
+  std::vector<std::uint32_t> first_corner{0};     // #P + 1, in `corners`
+  std::vector<std::uint32_t> first_triangle{0};   // #P + 1
+  std::vector<std::uint32_t> face_lines;          // #P, in the file, from 1
+  std::vector<std::string> names{std::string()};  // the first one stands for none
+  std::vector<SurfacePart> parts;                 // by first_face; may begin behind face 0
+
+  std::size_t face_count() const { return face_lines.size(); }
+  std::span<const std::uint32_t> CornersOf(std::size_t face) const {
+    return std::span(corners).subspan(first_corner[face],
+                                      first_corner[face + 1] - first_corner[face]);
+  }
+  // The face that a triangle is of.
+  std::size_t FaceOf(std::size_t triangle) const;
+  // What the file calls the object or the group that a face is of; empty: nothing. The views live
+  // as long as this.
+  std::string_view ObjectOf(std::size_t face) const;
+  std::string_view GroupOf(std::size_t face) const;
+
+  // Ends a face whose corners were appended.
+  void EndFace(std::size_t line);
+  // Makes the triangles of all faces, and warnings of those that there is no right cut for. What a
+  // reader does last. kInvalidOption with `name` and the line for a face that is too long to cut.
+  Status CutFaces(const std::string& name);
+};
+
+}  // namespace arap
