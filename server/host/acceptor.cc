@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <cstdint>
+#include <iterator>
 #include <utility>
 
 #include <fcntl.h>
@@ -30,11 +31,12 @@ constexpr int kLater = 20;  // milliseconds
 // Connections that were cut are closed by gRPC a little later: so long their descriptors are waited
 // for before anybody is sent away.
 constexpr milliseconds kDescriptorsPatience{500};
-// Connections of addresses on probation that wait for being let in: in all, of one address, and how
-// often it is asked for them.
-constexpr std::size_t kMostWaiting = 64;
-constexpr std::ptrdiff_t kMostWaitingOfOne = 16;
-constexpr milliseconds kAskAgain{50};
+// Connections that wait for being let in: in all, of one address, of one on probation, and how often
+// it is asked for them.
+constexpr std::size_t kMostWaiting = 4'000;
+constexpr std::size_t kMostOfOne = 1'000;
+constexpr std::size_t kMostOnProbation = 16;
+constexpr milliseconds kAskAgain{20};
 
 Descriptor Spare() { return Descriptor(open("/dev/null", O_RDONLY | O_CLOEXEC)); }
 
@@ -169,9 +171,20 @@ int Acceptor::AcceptOne(const Descriptor& listener, sockaddr_storage& peer) {
 }
 
 void Acceptor::NoDescriptor(const Descriptor& listener) {
+  if (waiting_count_ > 0) return DropOneWaiting();
   const auto now = steady_clock::now();
   if (!short_since_) short_since_ = now;
   now - *short_since_ < kDescriptorsPatience ? WaitALittle() : RefuseOne(listener);
+}
+
+void Acceptor::DropOneWaiting() {
+  const auto longest =
+      std::max_element(waiting_.begin(), waiting_.end(), [](const auto& a, const auto& b) {
+        return a.second.arrivals.size() < b.second.arrivals.size();
+      });
+  longest->second.arrivals.pop_front();
+  --waiting_count_;
+  metrics_.Rejected("descriptors");
 }
 
 void Acceptor::RefuseOne(const Descriptor& listener) {
@@ -196,18 +209,26 @@ void Acceptor::AcceptAll(const Entrance& entrance, const Descriptor& listener) {
     sockaddr_storage peer{};
     const int accepted = AcceptOne(listener, peer);
     if (accepted < 0) return;
-    Receive({&entrance, Descriptor(accepted), peer});
+    Arrival arrival{&entrance, Descriptor(accepted), peer};
+    const auto before = waiting_.find(rpc::AddressOf(peer));
+    // Nobody passes those who wait.
+    before == waiting_.end() ? Receive(std::move(arrival))
+                             : Wait(std::move(arrival), before->second);
   }
 }
 
 void Acceptor::Receive(Arrival arrival) {
   using Answer = rpc::Connections::Answer;
-  switch (connections_.Admit(arrival.socket.number(), arrival.peer)) {
+  const Answer answer = connections_.Admit(arrival.socket.number(), arrival.peer);
+  switch (answer) {
     case Answer::kWelcome:
-      break;
-    case Answer::kLater:
-      if (MayWait(arrival)) return waiting_.push_back(std::move(arrival));
-      return metrics_.Rejected("address_on_probation");
+      return HandOver(arrival);
+    case Answer::kSoon:
+    case Answer::kLater: {
+      Queue& queue = waiting_[rpc::AddressOf(arrival.peer)];
+      queue.on_probation = answer == Answer::kLater;
+      return Wait(std::move(arrival), queue);
+    }
     case Answer::kGreedy:
       return metrics_.Rejected("address_on_probation");
     case Answer::kFull:
@@ -215,6 +236,9 @@ void Acceptor::Receive(Arrival arrival) {
     case Answer::kAddressFull:
       return metrics_.Rejected("max_connections_per_address");
   }
+}
+
+void Acceptor::HandOver(Arrival& arrival) {
   const int yes = 1;
   if (arrival.peer.ss_family != AF_UNIX) {
     setsockopt(arrival.socket.number(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
@@ -222,18 +246,28 @@ void Acceptor::Receive(Arrival arrival) {
   arrival.entrance->hand_over(arrival.socket.Release());
 }
 
-void Acceptor::AskForWaiting() {
-  for (Arrival& arrival : std::exchange(waiting_, {})) {
-    if (IsOpen(arrival.socket)) Receive(std::move(arrival));
+void Acceptor::Wait(Arrival arrival, Queue& queue) {
+  if (waiting_count_ < kMostWaiting &&
+      queue.arrivals.size() < (queue.on_probation ? kMostOnProbation : kMostOfOne)) {
+    queue.arrivals.push_back(std::move(arrival));
+    ++waiting_count_;
+  } else {
+    metrics_.Rejected(queue.on_probation ? "address_on_probation" : "max_connections_per_address");
   }
 }
 
-bool Acceptor::MayWait(const Arrival& arrival) const {
-  if (waiting_.size() >= kMostWaiting) return false;
-  const std::string address = rpc::AddressOf(arrival.peer);
-  return std::count_if(waiting_.begin(), waiting_.end(), [&](const Arrival& other) {
-           return rpc::AddressOf(other.peer) == address;
-         }) < kMostWaitingOfOne;
+void Acceptor::AskForWaiting() {
+  for (auto& [address, queue] : std::exchange(waiting_, {})) {
+    std::deque<Arrival>& arrivals = queue.arrivals;
+    waiting_count_ -= arrivals.size();
+    while (!arrivals.empty() && !waiting_.contains(address)) {
+      Arrival first = std::exchange(arrivals.front(), {});
+      arrivals.pop_front();
+      if (IsOpen(first.socket)) Receive(std::move(first));
+    }
+    // The first of them goes on waiting, so all the others do.
+    for (Arrival& arrival : arrivals) Wait(std::move(arrival), waiting_[address]);
+  }
 }
 
 bool Acceptor::IsOurs(const sockaddr_storage& peer, unsigned size) {

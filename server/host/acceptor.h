@@ -6,7 +6,9 @@
 
 #include <atomic>
 #include <chrono>
+#include <deque>
 #include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -53,8 +55,11 @@ class Acceptor {
   void AcceptAll(const Entrance& entrance, const Descriptor& listener);
   // One connection of the listener, -1 when there is none.
   int AcceptOne(const Descriptor& listener, sockaddr_storage& peer);
-  // When no connection can be had: waits a little, and when that has not helped sends one away.
+  // When no connection can be had: sends away one that waits; when none does, waits a little, and when
+  // that has not helped sends away one at the door.
   void NoDescriptor(const Descriptor& listener);
+  // The oldest of the address that has the most.
+  void DropOneWaiting();
   void RefuseOne(const Descriptor& listener);
   // Until it is to stop, at most.
   void WaitALittle();
@@ -66,9 +71,15 @@ class Acceptor {
   };
   // Hands it over, keeps it waiting or sends it away.
   void Receive(Arrival arrival);
-  // Asks again for those that wait, in the order in which they came.
+  void HandOver(Arrival& arrival);
+  // Those of one address, in the order in which they came.
+  struct Queue {
+    bool on_probation = false;
+    std::deque<Arrival> arrivals;
+  };
+  void Wait(Arrival arrival, Queue& queue);
+  // Asks again for those that wait.
   void AskForWaiting();
-  bool MayWait(const Arrival& arrival) const;
   Status DialOne(const Descriptor& listener, const std::string& address,
                  std::chrono::steady_clock::time_point end);
   // Whether Dial made the connection, by the name of its other end.
@@ -81,7 +92,8 @@ class Acceptor {
   Descriptor reserve_;  // given up to accept, and refuse, when there are no descriptors left
   // Since when there are none; of the thread that accepts.
   std::optional<std::chrono::steady_clock::time_point> short_since_;
-  std::vector<Arrival> waiting_;  // of addresses on probation; of the thread that accepts
+  std::map<std::string, Queue> waiting_;  // by address; of the thread that accepts
+  std::size_t waiting_count_ = 0;         // likewise
   Mutex mutex_;
   std::set<std::string> dialled_ ABSL_GUARDED_BY(mutex_);  // names of our own sockets
   std::atomic<bool> stopped_{false};

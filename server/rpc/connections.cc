@@ -126,6 +126,11 @@ Connections::Answer Connections::Admit(int descriptor, const sockaddr_storage& p
     if (BytesOf(descriptor) > bounds_.unknown_bytes / kProbationPart) return Answer::kGreedy;
     if (!probation_.LetIn(address, now)) return Answer::kLater;
   }
+  const auto at_once = static_cast<double>(bounds_.arrivals_at_once);
+  const double rate = bounds_.unknown_calls > 0 ? bounds_.arrivals_per_second : 0;
+  const runtime::TokenBucket arrivals(rate, at_once, now);
+  Address& counted = addresses_.try_emplace(address, Address{0, arrivals}).first->second;
+  if (!address.empty() && !counted.arrivals.Take(now)) return Answer::kSoon;
   const auto calls = static_cast<double>(bounds_.unknown_calls);
   Connection connection{.descriptor = descriptor,
                         .cookie = CookieOf(descriptor),
@@ -141,7 +146,7 @@ Connections::Answer Connections::Admit(int descriptor, const sockaddr_storage& p
   const std::string name =
       connection.address.empty() ? "unix:" + std::to_string(connection.cookie) : PeerName(peer);
   if (const auto old = connections_.find(name); old != connections_.end()) Forget(old);
-  ++by_address_[connection.address];
+  ++counted.connections;
   if (!connection.known) ++strangers_;
   connections_.emplace(name, std::move(connection));
   return Answer::kWelcome;
@@ -247,8 +252,7 @@ void Connections::EndReceiving(const Watched& watched, std::size_t bytes) {
 }
 
 Connections::Table::iterator Connections::Forget(Table::iterator connection) {
-  const auto counted = by_address_.find(connection->second.address);
-  if (counted != by_address_.end() && --counted->second == 0) by_address_.erase(counted);
+  --addresses_.find(connection->second.address)->second.connections;
   if (!connection->second.known) --strangers_;
   return connections_.erase(connection);
 }
@@ -267,14 +271,20 @@ Connections::Table::iterator Connections::CutStranger(Table::iterator connection
 }
 
 void Connections::ForgetClosed() {
-  // Asking for each costs the kernel's time, which is not to be had a thousand times a second.
+  // Asking for each costs the kernel's time, which is not to be had a hundred times a second.
   const auto now = std::chrono::steady_clock::now();
-  if (now - looked_ < kBusy / 2) return;
+  if (now - looked_ < kWatchful) return;
   looked_ = now;
   for (auto at = connections_.begin(); at != connections_.end();) {
     const bool open = CookieOf(at->second.descriptor) == at->second.cookie;
     at = open ? std::next(at) : Forget(at);
   }
+}
+
+void Connections::ForgetAddresses() {
+  std::erase_if(addresses_, [now = clock_.SteadyNow()](const auto& entry) {
+    return entry.second.connections == 0 && entry.second.arrivals.IsFull(now);
+  });
 }
 
 bool Connections::MakeRoom(const std::string& address) {
@@ -292,8 +302,8 @@ bool Connections::IsFull() const { return connections_.size() >= bounds_.most; }
 
 bool Connections::IsFull(const std::string& address) const {
   if (address.empty()) return false;
-  const auto found = by_address_.find(address);
-  return found != by_address_.end() && found->second >= bounds_.most_per_address;
+  const auto found = addresses_.find(address);
+  return found != addresses_.end() && found->second.connections >= bounds_.most_per_address;
 }
 
 void Connections::CutGreedy() {
@@ -333,6 +343,7 @@ void Connections::LookAround() {
   if (now < next_look_) return;
   next_look_ = now + LookPause();
   ForgetClosed();
+  ForgetAddresses();
   if (strangers_ == 0) return;
   for (auto at = connections_.begin(); at != connections_.end();) {
     const Connection& connection = at->second;

@@ -28,13 +28,18 @@ namespace arap::rpc {
 struct ConnectionBounds {
   std::size_t most = 4'000;              // at once
   std::size_t most_per_address = 1'000;  // of one IPv4 address or one IPv6 network of 64 bits
+  // New ones of an address: so many at once, and so many a second. Each costs gRPC more than a frame
+  // costs us; the others wait, and nobody is sent away for it.
+  std::size_t arrivals_at_once = 64;
+  double arrivals_per_second = 250;
   // What a connection may do before a call on it was let in: live for so long, and send so much.
   std::chrono::milliseconds unknown_time = std::chrono::seconds(60);
   std::size_t unknown_bytes = 256u << 10u;
   // Calls that are not let in, of one connection: so many, and so many more a second. Who makes more
   // is cut, as is who sends too much, and the address is on probation: until so long after the last
   // such offence so many connections of it come in each second, and those that are not known may do
-  // a sixteenth. 0 calls: neither calls nor bytes are counted, and nobody is on probation.
+  // a sixteenth. 0 calls: neither calls nor bytes are counted, nobody is on probation, and new ones
+  // come in as they come.
   std::size_t unknown_calls = 128;
   double unknown_calls_per_second = 16;
   std::chrono::milliseconds probation = std::chrono::seconds(30);
@@ -67,9 +72,9 @@ class Connections {
   // thread that sweeps; it must not call back. Before the first connection.
   void OnReceiving(std::function<void(std::size_t bytes)> told) { on_receiving_ = std::move(told); }
 
-  // kLater: its address is on probation, ask again in a moment. kGreedy: it is, and the connection
-  // has sent too much already.
-  enum class Answer { kWelcome, kLater, kGreedy, kFull, kAddressFull };
+  // kSoon: many of its address have just come, ask again in a moment. kLater: its address is on
+  // probation, likewise. kGreedy: it is, and the connection has sent too much already.
+  enum class Answer { kWelcome, kSoon, kLater, kGreedy, kFull, kAddressFull };
   // Whether the new connection may come in. Where there are too many, the oldest on which nobody
   // was let in yet makes room.
   Answer Admit(int descriptor, const sockaddr_storage& peer);
@@ -155,6 +160,12 @@ class Connections {
     Told told;
   };
 
+  // IPv4 addresses and IPv6 networks; empty: unix sockets.
+  struct Address {
+    std::size_t connections = 0;
+    runtime::TokenBucket arrivals;
+  };
+
   void Remove(std::uint64_t id, std::size_t bytes);
   void EndReceiving(const Watched& watched, std::size_t bytes)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -175,6 +186,7 @@ class Connections {
   void LookAround() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   std::chrono::milliseconds LookPause() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void ForgetClosed() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void ForgetAddresses() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Cuts the oldest unknown one, of the address unless it is empty: whether there was one.
   bool MakeRoom(const std::string& address) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Cuts what holds the most of requests that are not complete while these are too much.
@@ -188,7 +200,7 @@ class Connections {
   std::function<void(std::size_t)> on_receiving_;
   mutable Mutex mutex_;
   Table connections_ ABSL_GUARDED_BY(mutex_);
-  std::map<std::string, std::size_t> by_address_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, Address> addresses_ ABSL_GUARDED_BY(mutex_);
   std::size_t strangers_ ABSL_GUARDED_BY(mutex_) = 0;  // connections that are not known
   Probation probation_ ABSL_GUARDED_BY(mutex_);
   runtime::Clock::Steady next_look_ ABSL_GUARDED_BY(mutex_);

@@ -182,6 +182,8 @@ class UnaryReactor final : public UnaryStream, public std::enable_shared_from_th
     room_.Release();
     log_.End(status);
     if (status) TellOfQueue();
+    // What was taken apart is freed here and not in gRPC's thread, which others wait for.
+    const std::unique_ptr<UnaryJob> job = std::move(job_);
     if (status) return StartWriteAndFinish(&bytes_, grpc::WriteOptions(), grpc::Status::OK);
     Finish(convert::ToGrpcStatus(status.error()));
   }
@@ -196,7 +198,7 @@ class UnaryReactor final : public UnaryStream, public std::enable_shared_from_th
   app::Engine& engine_;
   const Method method_;
   grpc::CallbackServerContext* const context_;
-  const std::unique_ptr<UnaryJob> job_;
+  std::unique_ptr<UnaryJob> job_;       // until the end
   std::shared_ptr<UnaryReactor> self_;  // from Start until OnDone
   grpc::ByteBuffer bytes_;              // the request, then the answer; gRPC's meanwhile
   std::atomic<bool> arrived_{false};    // or given up

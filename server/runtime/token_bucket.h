@@ -25,6 +25,10 @@ class TokenBucket {
     --tokens_;
     return true;
   }
+  // Whether the burst is there again.
+  bool IsFull(Clock::Steady now) const {
+    return tokens_ + rate_ * std::chrono::duration<double>(now - last_).count() >= burst_;
+  }
   // The burst is there again.
   void Fill() { tokens_ = burst_; }
 

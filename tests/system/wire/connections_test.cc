@@ -187,6 +187,26 @@ TEST_F(ConnectionsTest, WhatWasRefusedIsForgivenToWhomeverIsLetIn) {
   EXPECT_TRUE(IsCut(0));
 }
 
+TEST_F(ConnectionsTest, NewOnesOfAnAddressComeInOneAfterTheOther) {
+  Start({.arrivals_at_once = 3, .arrivals_per_second = 10});
+  for (int port = 1; port <= 3; ++port) EXPECT_EQ(Come("10.0.0.1", port), Answer::kWelcome);
+  EXPECT_EQ(Come("10.0.0.1", 4), Answer::kSoon);
+  EXPECT_EQ(Come("10.0.0.2", 1), Answer::kWelcome) << "it is another address";
+  clock_.Advance(std::chrono::milliseconds(100));
+  EXPECT_EQ(Come("10.0.0.1", 4), Answer::kWelcome);
+  EXPECT_EQ(Come("10.0.0.1", 5), Answer::kSoon);
+  // It is not forgotten with the last connection: who closes and comes back gains nothing.
+  for (Descriptor& near : near_) near = Descriptor();
+  connections_->Sweep();
+  EXPECT_EQ(connections_->count(), 0u);
+  EXPECT_EQ(Come("10.0.0.1", 6), Answer::kSoon);
+}
+
+TEST_F(ConnectionsTest, WithoutBoundsForStrangersNewOnesComeAsTheyCome) {
+  Start({.arrivals_at_once = 1, .arrivals_per_second = 1, .unknown_calls = 0});
+  for (int port = 1; port <= 9; ++port) EXPECT_EQ(Come("10.0.0.1", port), Answer::kWelcome);
+}
+
 TEST_F(ConnectionsTest, AnAddressWhoseStrangersWereCutIsOnProbation) {
   Start({.unknown_calls = 32,
          .unknown_calls_per_second = 1,
