@@ -31,10 +31,12 @@ namespace {
 constexpr int kMinPingIntervalMs = 1'000;
 constexpr std::chrono::milliseconds kHealthPeriod = std::chrono::seconds(1);
 constexpr std::chrono::milliseconds kDialPatience = std::chrono::seconds(2);
-// Memory goes back to the system so often, and as soon as so much more of it is held than is
-// accounted for, and so much more than after the last time.
-constexpr std::size_t kTrimEvery = 10;  // sweeps
+// Memory that is held and not accounted for goes back to the system when it is so much, so often;
+// and at once when the budget is nearly used up, if it is so much more than after the last time.
+// Meanwhile whoever needs memory waits.
 constexpr double kLoose = 96e6;
+constexpr std::size_t kTrimEvery = 10;  // sweeps
+constexpr double kNearly = 0.7;         // of the budget
 constexpr double kMoreLoose = 32e6;
 
 // Descriptors for everything but connections: store, logs, libraries, files of the moment.
@@ -237,8 +239,11 @@ void Host::Sweep() {
 void Host::TrimMemory() {
   const double resident = runtime::ResidentBytes();
   const auto accounted = static_cast<double>(engine_.derived.bytes());
-  const bool loose = resident > accounted + kLoose && resident > trimmed_to_ + kMoreLoose;
-  if (++sweeps_ % kTrimEvery != 0 && !loose) return;
+  ++sweeps_;
+  if (resident <= accounted + kLoose) return;
+  const bool urgent = resident > kNearly * static_cast<double>(engine_.limits.max_bytes) &&
+                      resident > trimmed_to_ + kMoreLoose;
+  if (sweeps_ % kTrimEvery != 0 && !urgent) return;
   malloc_trim(0);
   trimmed_to_ = runtime::ResidentBytes();
 }
