@@ -6,6 +6,7 @@
 
 #include "core/base/try.h"
 #include "server/runtime/metrics.h"
+#include "server/runtime/time_slice.h"
 
 namespace arap::app {
 namespace {
@@ -111,7 +112,8 @@ Engine::Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::
             .metrics = &metrics,
             .gives_way_to = &interactive,
             .short_seconds = kShortJobSeconds,
-            .aside = kJobsAside}),
+            .aside = kJobsAside,
+            .turns = runtime::kLongTurns}),
       collected_(clock.SteadyNow()) {
   Watch(*this);
 }

@@ -35,6 +35,7 @@
 #include "server/config/config.h"
 #include "server/host/host.h"
 #include "server/rpc/rpc_log.h"
+#include "server/runtime/time_slice.h"
 
 namespace {
 
@@ -313,6 +314,8 @@ int main(int argc, char** argv) {
   }
   // What we make is ours alone: logs, databases, blobs. Sockets have --socket-mode.
   umask(0077);
+  // For gRPC's threads and those that compute frames; whoever computes for long asks for longer ones.
+  arap::runtime::SetTimeSlice(arap::runtime::kQuickTurns);
   RaiseDescriptors();
   auto outcome = arap::config::Read({argv + 1, argv + argc}, Environment());
   HidePasswords(argc, argv);

@@ -7,6 +7,7 @@
 
 #include "core/base/cpu_timer.h"
 #include "server/runtime/metrics.h"
+#include "server/runtime/time_slice.h"
 
 namespace arap::runtime {
 namespace {
@@ -275,6 +276,7 @@ void WorkerPool::GiveWayTo(WorkerPool& others, Worker& worker) {
 
 void WorkerPool::Run(std::size_t thread) {
   NameThread(options_.name);
+  if (options_.turns.count() > 0) SetTimeSlice(options_.turns);
   Worker worker{*this, thread};
   this_worker = &worker;
   while (std::optional<Queue::Entry> next = Take(worker)) {

@@ -32,6 +32,8 @@ struct PoolOptions {
   std::size_t aside = 0;
   // Jobs wait for something else: owners share the time that passes and not the processor's.
   bool waits = false;
+  // Of the processor, see SetTimeSlice; 0: as whoever makes the pool.
+  std::chrono::microseconds turns{0};
 };
 
 // To be called by long jobs between their steps.

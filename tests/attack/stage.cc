@@ -83,10 +83,10 @@ class Stage {
     return true;
   }
 
-  // The attacker is nicer than the server and the bystander: what it computes itself is not to
-  // disturb anybody.
+  // The attacker has what the server and the bystander leave of the processor: what it computes
+  // itself, on a machine of its own, is not to disturb anybody.
   void StartAttacker() {
-    if (!attacker_.Launch({"/usr/bin/nice", "-n", "10", options_.self, "--as-attacker",
+    if (!attacker_.Launch({"/usr/bin/nice", "-n", "19", options_.self, "--as-attacker",
                            attack_.name, server_.address(), admin_, attacker_token_.Text()},
                           server_.folder() / "attacker")) {
       return;

@@ -13,7 +13,7 @@ namespace arap::attack {
 struct StageOptions {
   std::string self;    // this program, which runs attackers too
   std::string server;  // the arapd to attack; that of this build when it is empty
-  std::chrono::milliseconds before{2'500}, during{6'000};
+  std::chrono::milliseconds before{6'000}, during{10'000};
 };
 
 // Takes about 12 s and at most 30: the start, the quiet time, the attack, the stop. The
