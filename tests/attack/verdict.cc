@@ -15,7 +15,7 @@ constexpr double kMemory = 1.2;         // of the budget
 constexpr double kEndSeconds = 2;       // beyond --drain-seconds
 
 double AllowedFrame(const Measured& measured) {
-  return kSlower * std::max(kLeastFrame, Percentile99(measured.before.frames));
+  return kSlower * std::max(kLeastFrame, measured.unloaded);
 }
 
 std::size_t Failures(const Seen& seen) {

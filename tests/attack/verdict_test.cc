@@ -15,6 +15,7 @@ Measured Held() {
   Measured measured;
   measured.name = "none";
   measured.before.frames = std::vector<double>(100, 4);
+  measured.unloaded = 4;
   measured.during.frames = std::vector<double>(100, 12);
   measured.during.compiles = {199};
   measured.during.flattens = {299};
