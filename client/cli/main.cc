@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   arap::cli::AddBake(app, run);
   arap::cli::AddDrag(app, run);
   arap::cli::AddFlatten(app, run);
+  arap::cli::AddMesh(app, run);
   arap::cli::AddLoad(app, run);
   arap::cli::AddToken(app, run);
   arap::cli::AddSample(app, run);

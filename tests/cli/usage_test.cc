@@ -22,7 +22,7 @@ TEST_F(Usage, Version) {
 TEST_F(Usage, HelpOfEveryCommand) {
   EXPECT_EQ(Arapctl({"--help"}).code, 0);
   for (const char* command :
-       {"info", "bake", "drag", "flatten", "load", "token", "sample", "figures"}) {
+       {"info", "bake", "drag", "flatten", "mesh", "load", "token", "sample", "figures"}) {
     EXPECT_THAT(Arapctl({"--help"}).out, HasSubstr(command));
     const Outcome outcome = Arapctl({command, "--help"});
     EXPECT_EQ(outcome.code, 0) << command;
@@ -53,6 +53,11 @@ TEST_F(Usage, WrongCommandLinesEndWithTwo) {
       {"flatten", "a.obj", "--spawn", "--out", "b.obj", "--method", "magic"},
       {"flatten", "a.obj", "--spawn", "--out", "b.obj", "--grain", "1"},
       {"load", "--spawn", "--streams", "0"},
+      {"mesh", "a.png"},
+      {"mesh", "a.png", "--out", "b.obj", "--threshold", "256"},
+      {"mesh", "a.png", "--out", "b.obj", "--density", "2"},
+      {"mesh", "a.png", "--out", "b.obj", "--expansion", "nan"},
+      {"mesh", "a.png", "--out", "b.obj", "--background", "blue"},
       {"sample", "dragon", "--out", "a.obj"},
       {"sample", "character"},
       {"sample", "garment", "--out", "a.obj", "--track", "a.json"},
@@ -97,6 +102,7 @@ TEST_F(Usage, OutputsThatCannotBeWrittenAreAWrongCommandLine) {
       {flatten, {"--out", "--svg", "--dxf", "--report", "--compare"}},
       {load, {"--json"}},
       {sample, {"--out", "--track"}},
+      {{"mesh", "a.png"}, {"--out"}},
   };
   const std::pair<std::string, const char*> wrong[] = {
       {Path("no/such/folder"), "No such file or directory"},

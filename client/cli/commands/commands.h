@@ -25,6 +25,7 @@ void AddInfo(CLI::App& app, Run& run);
 void AddBake(CLI::App& app, Run& run);
 void AddDrag(CLI::App& app, Run& run);
 void AddFlatten(CLI::App& app, Run& run);
+void AddMesh(CLI::App& app, Run& run);
 void AddLoad(CLI::App& app, Run& run);
 void AddToken(CLI::App& app, Run& run);
 void AddSample(CLI::App& app, Run& run);

@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
-#include <span>
-#include <utility>
+#include <numbers>
 #include <vector>
 
-#include <boost/polygon/voronoi.hpp>
-
-#include "core/base/plane.h"
+#include "core/outline/outline.h"
+#include "core/outline/quality_mesh.h"
 
 namespace arap::cli {
 
@@ -76,7 +73,7 @@ std::vector<Point> Trace(const Field& field, Point start, double step) {
 
 // The closed outline through `start` (which is moved onto it), counter-clockwise, as evenly spaced
 // points about `edge` apart. The outline has to be smooth over that length.
-std::vector<Point> SampleOutline(const Field& field, Point start, double edge) {
+Outline SampleOutline(const Field& field, Point start, double edge) {
   const double step = edge / 16;
   const std::vector<Point> fine = Trace(field, Project(field, start, step * 0.1), step);
   double length = 0;
@@ -85,7 +82,7 @@ std::vector<Point> SampleOutline(const Field& field, Point start, double edge) {
   // An even number keeps a symmetric outline symmetric when `start` lies on its axis.
   const auto count = 2 * static_cast<std::size_t>(std::lround(length / edge / 2));
   const double spacing = length / static_cast<double>(count);
-  std::vector<Point> samples;
+  Outline samples;
   double walked = 0;
   for (std::size_t i = 1; i < fine.size() && samples.size() < count; ++i) {
     const double piece = std::abs(fine[i] - fine[i - 1]);
@@ -101,119 +98,15 @@ std::vector<Point> SampleOutline(const Field& field, Point start, double edge) {
   return samples;
 }
 
-using IntegerPoint = boost::polygon::point_data<int>;
-
-// The Voronoi builder is exact on 32-bit integers: the coordinates are spread over 2^30 steps.
-std::vector<IntegerPoint> ToGrid(std::span<const Point> points) {
-  double largest = 0;
-  for (const Point p : points) {
-    largest = std::max({largest, std::abs(p.real()), std::abs(p.imag())});
-  }
-  const double scale = largest > 0 ? std::exp2(29) / largest : 1;
-  std::vector<IntegerPoint> out;
-  out.reserve(points.size());
-  for (const Point p : points) {
-    out.emplace_back(static_cast<int>(std::lround(p.real() * scale)),
-                     static_cast<int>(std::lround(p.imag() * scale)));
-  }
-  return out;
-}
-
-// The triangles, counter-clockwise. The points must be distinct; there may be fewer than three.
-std::vector<Triangle> Delaunay(std::span<const Point> points) {
-  const std::vector<IntegerPoint> grid = ToGrid(points);
-  boost::polygon::voronoi_diagram<double> diagram;
-  boost::polygon::construct_voronoi(grid.begin(), grid.end(), &diagram);
-
-  std::vector<Triangle> triangles;
-  std::vector<std::uint32_t> around;
-  for (const auto& vertex : diagram.vertices()) {
-    // The sites round a Voronoi vertex lie on one circle: three of them, or more in a regular
-    // lattice.
-    around.clear();
-    const auto* edge = vertex.incident_edge();
-    do {
-      around.push_back(static_cast<std::uint32_t>(edge->cell()->source_index()));
-      edge = edge->rot_next();
-    } while (edge != vertex.incident_edge());
-    for (std::size_t k = 2; k < around.size(); ++k) {
-      Triangle triangle{around[0], around[k - 1], around[k]};
-      const Point a = points[triangle[0]];
-      if (Cross(points[triangle[1]] - a, points[triangle[2]] - a) < 0) {
-        std::swap(triangle[1], triangle[2]);
-      }
-      triangles.push_back(triangle);
-    }
-  }
-  return triangles;
-}
-
-// Lattice points nearer to the outline than this share of an edge would make thin triangles.
-constexpr double kClearance = 0.7;
-// Triangles between neighbours on a nearly straight outline have their centroid on it.
-constexpr double kSliver = 0.05;
-constexpr int kSmoothings = 12;
-
-// A hexagonal lattice over the inside of the outline's box, symmetric about x = 0.
-void AddLattice(const Field& field, double edge, std::vector<Point>& points) {
-  double left = 0, right = 0, bottom = points[0].imag(), top = bottom;
-  for (const Point p : points) {
-    left = std::min(left, p.real());
-    right = std::max(right, p.real());
-    bottom = std::min(bottom, p.imag());
-    top = std::max(top, p.imag());
-  }
-  const double row_height = edge * std::sqrt(3.0) / 2;
-  const auto rows = static_cast<int>((top - bottom) / row_height) + 1;
-  const auto columns = static_cast<int>(std::max(-left, right) / edge) + 1;
-  for (int row = 0; row < rows; ++row) {
-    const double y = bottom + (row + 0.5) * row_height;
-    const double shift = row % 2 == 0 ? 0 : 0.5;
-    for (int column = -columns; column <= columns; ++column) {
-      const Point p((column + shift) * edge, y);
-      if (field(p) < -kClearance * edge) points.push_back(p);
-    }
-  }
-}
-
-std::vector<Triangle> InnerTriangles(const Field& field, double edge,
-                                     const std::vector<Point>& points) {
-  std::vector<Triangle> triangles = Delaunay(points);
-  std::erase_if(triangles, [&](const Triangle& t) {
-    return field((points[t[0]] + points[t[1]] + points[t[2]]) / 3.0) > -kSliver * edge;
-  });
-  return triangles;
-}
-
-// Moves every inner point to the mean of its neighbours, which evens out the rim of the lattice.
-void Smooth(const std::vector<Triangle>& triangles, std::size_t outline_count,
-            std::vector<Point>& points) {
-  std::vector<Point> sum(points.size());
-  std::vector<double> count(points.size());
-  for (const Triangle& t : triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      sum[t[k]] += points[t[(k + 1) % 3]] + points[t[(k + 2) % 3]];
-      count[t[k]] += 2;
-    }
-  }
-  for (std::size_t v = outline_count; v < points.size(); ++v) {
-    if (count[v] > 0) points[v] = sum[v] / count[v];
-  }
-}
-
 }  // namespace
 
 PlanarMesh MeshField(const Field& field, Point start, double edge) {
-  std::vector<Point> points = SampleOutline(field, start, edge);
-  const std::size_t outline_count = points.size();
-  AddLattice(field, edge, points);
-  for (int i = 0; i < kSmoothings; ++i) {
-    Smooth(InnerTriangles(field, edge, points), outline_count, points);
-  }
-  for (Point& p : points) p = Rounded(p);
-
-  std::vector<Triangle> triangles = InnerTriangles(field, edge, points);
-  return {std::move(points), std::move(triangles)};
+  const Outline outline = SampleOutline(field, start, edge);
+  // A vertex takes two equilateral triangles. The outline of a field does not cross itself, so that
+  // nothing can be wrong with it.
+  const double vertices = 2 * SignedArea(outline) / (std::numbers::sqrt3 * edge * edge);
+  const std::vector<Outline> outlines{outline};
+  return MeshOutlines(outlines, static_cast<std::size_t>(std::lround(vertices))).value().mesh;
 }
 
 }  // namespace arap::cli

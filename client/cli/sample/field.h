@@ -30,8 +30,8 @@ double Ellipse(Point p, Point center, double radius_x, double radius_y);
 double SmoothUnion(double a, double b, double blend);
 
 // Well-shaped counter-clockwise triangles inside a field with edges about `edge` long, without loose
-// vertices; the vertices of the outline come first. `start` is a point near the outline, which has
-// to be smooth over that length.
+// vertices. `start` is a point near the outline, which has to be smooth over that length, and in one
+// piece.
 PlanarMesh MeshField(const Field& field, Point start, double edge);
 
 }  // namespace arap::cli

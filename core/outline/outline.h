@@ -1,0 +1,37 @@
+// Outlines: closed curves that bound a region of the plane, traced from the pixels of an image and
+// simplified to a stated error.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "arap/base/result.h"
+#include "arap/model/mesh.h"
+#include "core/outline/coverage.h"
+
+namespace arap {
+
+// A closed curve; the first point is not repeated. The region lies on its left: pieces run
+// counter-clockwise, holes clockwise.
+using Outline = std::vector<Complex>;
+
+// What outlines may have in points, together.
+inline constexpr std::size_t kMaxOutlinePoints = 1'000'000;
+
+// Half of what Green's formula adds up: positive for a piece, negative for a hole.
+double SignedArea(const Outline& outline);
+
+// The outlines of what is inside, in pixels of the image without its margin, y up from its lower
+// border. They run between the centres of neighbouring pixels where the value between them would be
+// that of the threshold, and on the border of the image where it ends; so each is simple and none
+// touches another. O(pixels). kLimitExceeded beyond kMaxOutlinePoints.
+Result<std::vector<Outline>> TraceOutlines(const Coverage& coverage);
+
+// The same outlines with fewer points, all of them points of the given ones: no point of an outline
+// is further than `tolerance` from what is made of it, nor the other way round, and none crosses
+// itself or another that did not before. Needs finite coordinates. About n log n: 10 µs for a
+// point, and half a kilobyte.
+Result<std::vector<Outline>> SimplifyOutlines(std::span<const Outline> outlines, double tolerance);
+
+}  // namespace arap
