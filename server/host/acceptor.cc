@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include "core/base/try.h"
+#include "server/rpc/peer.h"
 
 namespace arap::host {
 namespace {

@@ -212,9 +212,4 @@ class Connections {
   std::chrono::steady_clock::time_point looked_ ABSL_GUARDED_BY(mutex_);
 };
 
-// gRPC's name of a peer, and what the connections of one address are counted by: nothing for a unix
-// socket.
-std::string PeerName(const sockaddr_storage& peer);
-std::string AddressOf(const sockaddr_storage& peer);
-
 }  // namespace arap::rpc
