@@ -13,6 +13,7 @@
 #include "arap/v1/flattening_service.pb.h"
 #include "arap/v1/server_service.pb.h"
 #include "core/base/names.h"
+#include "core/base/plane.h"
 #include "core/base/try.h"
 #include "proto/convert/deform.h"
 #include "proto/convert/flatten.h"
@@ -225,6 +226,24 @@ Result<MeshInfo> FromWire(const v1::MeshInfo& mesh, const std::string& mesh_id,
   out.report = convert::ReportFromWire(mesh);
   if (auto energy = convert::FromWire(mesh.energy(), EnergyOptions{})) out.energy = *energy;
   return out;
+}
+
+Result<OutlineMesh> FromWire(const v1::MeshOutlineResponse& response) {
+  constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
+  auto mesh = convert::FromWire(response.mesh(), MeshLimits{kAny, kAny});
+  if (!mesh) return Bad("The server answered a mesh with an array of odd length.");
+  CHECK_OK(CheckFinite(mesh->vertices, "vertex"));
+  for (const Triangle& triangle : mesh->triangles) {
+    CHECK_OK(CheckIndices(triangle, mesh->vertices.size(), "vertex"));
+    if (!(TwiceArea(triangle, mesh->vertices) > 0)) {
+      return Bad("The server answered a triangle that does not run counter-clockwise.");
+    }
+  }
+  CHECK_OK(CheckNumbers({response.smallest_angle_degrees()}, "a mesh"));
+  return OutlineMesh{{*std::move(mesh), response.piece_count(), response.hole_count(),
+                      response.smallest_angle_degrees()},
+                     convert::Micros(response.queue_time()),
+                     convert::Micros(response.solve_time())};
 }
 
 Result<HandleSetInfo> FromWire(const v1::HandleSetInfo& set, const SetQuestion& asked,

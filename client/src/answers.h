@@ -25,6 +25,7 @@ class GetServerInfoResponse;
 class HandleSetInfo;
 class ListSessionsResponse;
 class MeshInfo;
+class MeshOutlineResponse;
 class Session;
 class Shape;
 }  // namespace arap::v1
@@ -44,6 +45,9 @@ void ToWire(const ShapeOptions& options, v1::DeformOptions* out);
 // `mesh_id` and `sent` are what was asked for; an empty id and no mesh stand for any.
 Result<MeshInfo> FromWire(const v1::MeshInfo& mesh, const std::string& mesh_id,
                           const PlanarMesh* sent);
+
+// Triangles of the plane that run counter-clockwise.
+Result<OutlineMesh> FromWire(const v1::MeshOutlineResponse& response);
 
 // The set has this id; `mesh_id` unless that is empty; and behind other handles those of `last`, or
 // just those when `all`.

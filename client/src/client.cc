@@ -70,6 +70,18 @@ Result<SessionPage> Client::ListSessions(std::uint32_t page_size, const std::str
   return FromWire(response, page_size, page_token);
 }
 
+Result<OutlineMesh> Client::MeshOutline(std::span<const Outline> outlines, std::uint32_t vertices,
+                                        const CallOptions& call) const {
+  v1::MeshOutlineRequest request;
+  for (const Outline& outline : outlines) {
+    convert::AppendPoints(outline, request.add_outlines()->mutable_points());
+  }
+  request.set_vertex_count(vertices);
+  TRY(const v1::MeshOutlineResponse response,
+      Call(channel_->deformation(), &Stub::MeshOutline, request, kWork, call));
+  return FromWire(response);
+}
+
 Result<FlatSurface> Client::Flatten(const SurfaceMesh& mesh, const FlattenQuery& query,
                                     const CallOptions& call) const {
   v1::FlattenRequest request;

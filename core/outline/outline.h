@@ -7,25 +7,19 @@
 #include <vector>
 
 #include "arap/base/result.h"
-#include "arap/model/mesh.h"
+#include "arap/model/outline.h"
 #include "core/outline/coverage.h"
 
 namespace arap {
-
-// A closed curve; the first point is not repeated. The region lies on its left: pieces run
-// counter-clockwise, holes clockwise.
-using Outline = std::vector<Complex>;
-
-// What outlines may have in points, together.
-inline constexpr std::size_t kMaxOutlinePoints = 1'000'000;
 
 // Half of what Green's formula adds up: positive for a piece, negative for a hole.
 double SignedArea(const Outline& outline);
 
 // The outlines of what is inside, in pixels of the image without its margin, y up from its lower
-// border. They run between the centres of neighbouring pixels where the value between them would be
-// that of the threshold, and on the border of the image where it ends; so each is simple and none
-// touches another. O(pixels). kLimitExceeded beyond kMaxOutlinePoints.
+// border; pieces run counter-clockwise, holes clockwise. They run between the centres of
+// neighbouring pixels where the value between them would be that of the threshold, and on the
+// border of the image where it ends; so each is simple and none touches another. O(pixels).
+// kLimitExceeded beyond kMaxOutlinePoints.
 Result<std::vector<Outline>> TraceOutlines(const Coverage& coverage);
 
 // The same outlines with fewer points, all of them points of the given ones: no point of an outline

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -15,8 +16,12 @@
 #include <CGAL/Delaunay_mesh_vertex_base_2.h>
 #include <CGAL/Delaunay_mesher_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Spatial_sort_traits_adapter_2.h>
+#include <CGAL/property_map.h>
+#include <CGAL/spatial_sort.h>
 #include <fmt/format.h>
 
+#include "core/base/cpu_timer.h"
 #include "core/base/plane.h"
 #include "core/base/try.h"
 #include "core/outline/smooth.h"
@@ -51,36 +56,90 @@ struct Region {
   double area = 0;
 };
 
-double Distance(Delaunay::Vertex_handle a, Delaunay::Vertex_handle b) {
-  return std::abs(ToComplex(a->point()) - ToComplex(b->point()));
+// Whether to go on.
+class Watch {
+ public:
+  Watch(const CancelToken& cancel, double seconds) : cancel_(cancel), most_seconds_(seconds) {}
+
+  // To be asked at every small step.
+  Status Check() {
+    constexpr std::size_t kSteps = 64;
+    if (++steps_ % kSteps != 0) return {};
+    CHECK_OK(cancel_.Check());
+    seconds_ += 1e-3 * timer_.Lap();
+    if (seconds_ <= most_seconds_) return {};
+    return Fail(FaultKind::kLimitExceeded,
+                "The outlines are wound into one another so often that meshing them takes more "
+                "than twenty times what so many points take otherwise.");
+  }
+
+ private:
+  const CancelToken& cancel_;
+  const double most_seconds_;
+  CpuTimer timer_;
+  double seconds_ = 0;
+  std::size_t steps_ = 0;
+};
+
+// The vertices of all points, outline by outline.
+std::vector<Delaunay::Vertex_handle> InsertPoints(std::span<const Outline> outlines,
+                                                  Delaunay& delaunay) {
+  std::vector<Point> points;
+  for (const Outline& outline : outlines) {
+    for (const Complex p : outline) points.push_back(ToPoint(p));
+  }
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto places = CGAL::make_property_map(points);
+  CGAL::spatial_sort(order.begin(), order.end(),
+                     CGAL::Spatial_sort_traits_adapter_2<Kernel, decltype(places)>(places));
+  std::vector<Delaunay::Vertex_handle> vertices(points.size());
+  Delaunay::Face_handle near;
+  for (const std::size_t i : order) {
+    vertices[i] = delaunay.insert(points[i], near);
+    near = vertices[i]->face();
+  }
+  return vertices;
 }
 
 // The outlines as edges that stay. kInvalidOption when they are no borders of a region.
-Status Insert(std::span<const Outline> outlines, Delaunay& delaunay) {
-  double length = 0;
+Status Insert(std::span<const Outline> outlines, Watch& watch, Delaunay& delaunay) {
+  const auto vertices = InsertPoints(outlines, delaunay);
+  std::size_t begin = 0;
   try {
     for (const Outline& outline : outlines) {
-      Delaunay::Vertex_handle before = delaunay.insert(ToPoint(outline.back()));
-      for (const Complex p : outline) {
-        const Delaunay::Vertex_handle here = delaunay.insert(ToPoint(p), before->face());
-        if (here != before) delaunay.insert_constraint(before, here);
-        length += Distance(before, here);
-        before = here;
+      Delaunay::Vertex_handle before = vertices[begin + outline.size() - 1];
+      for (std::size_t i = begin; i < begin + outline.size(); ++i) {
+        CHECK_OK(watch.Check());
+        if (vertices[i] != before) delaunay.insert_constraint(before, vertices[i]);
+        before = vertices[i];
       }
+      begin += outline.size();
     }
   } catch (const Delaunay::Intersection_of_constraints_exception&) {
     return Fail(FaultKind::kInvalidOption, "The outlines cross one another or themselves.");
   }
-  double once = 0;
+  // Each vertex has two lines, and each line was given once.
+  std::unordered_map<Delaunay::Vertex_handle, int> lines;
+  std::size_t count = 0;
   for (auto edge = delaunay.finite_edges_begin(); edge != delaunay.finite_edges_end(); ++edge) {
     if (!delaunay.is_constrained(*edge)) continue;
-    once += Distance(edge->first->vertex(Delaunay::cw(edge->second)),
-                     edge->first->vertex(Delaunay::ccw(edge->second)));
+    ++count;
+    ++lines[edge->first->vertex(Delaunay::cw(edge->second))];
+    ++lines[edge->first->vertex(Delaunay::ccw(edge->second))];
   }
-  constexpr double kRounding = 1e-9;
-  if (length > once * (1 + kRounding)) {
-    return Fail(FaultKind::kInvalidOption,
-                "The outlines run along one another or themselves: a line bounds a region once.");
+  begin = 0;
+  for (const Outline& outline : outlines) {
+    for (std::size_t i = begin; i < begin + outline.size(); ++i) {
+      const std::size_t next = i + 1 == begin + outline.size() ? begin : i + 1;
+      if (vertices[i] == vertices[next]) continue;
+      if (lines[vertices[i]] == 2 && count-- > 0) continue;
+      const Complex p = outline[i - begin];
+      return Fail(FaultKind::kInvalidOption,
+                  fmt::format("The outlines touch one another or themselves at ({:g}, {:g}).",
+                              p.real(), p.imag()));
+    }
+    begin += outline.size();
   }
   return {};
 }
@@ -175,11 +234,12 @@ Draft Extract(const Delaunay& delaunay) {
 
 // Triangles without narrow angles whose edges are at most `edge` long.
 Result<Draft> Refine(Delaunay delaunay, const std::vector<Point>& seeds, double edge,
-                     std::size_t most) {
+                     std::size_t most, Watch& watch) {
   Mesher mesher(delaunay, Criteria(kShape, edge));
   mesher.set_seeds(seeds.begin(), seeds.end(), /*mark=*/true);
   mesher.init();
   while (!mesher.is_refinement_done() && mesher.try_one_step_refine_mesh()) {
+    CHECK_OK(watch.Check());
     if (delaunay.number_of_vertices() > most) {
       return Fail(Fault(FaultKind::kLimitExceeded,
                         fmt::format("Triangles without narrow angles would need more than {} "
@@ -193,7 +253,7 @@ Result<Draft> Refine(Delaunay delaunay, const std::vector<Point>& seeds, double 
 
 // The draft with as many vertices as were asked for, if the outlines let it.
 Result<Draft> RefineTo(std::size_t wanted, const Delaunay& outlines,
-                       const std::vector<Region>& regions) {
+                       const std::vector<Region>& regions, std::size_t most, Watch& watch) {
   const std::vector<Point> seeds = SeedsOf(regions);
   double area = 0;
   for (const Region& region : regions) area += region.area;
@@ -201,20 +261,26 @@ Result<Draft> RefineTo(std::size_t wanted, const Delaunay& outlines,
   const auto asked = static_cast<double>(wanted);
   double edge = 1.5 * std::sqrt(2 * area / (std::sqrt(3.0) * asked));
 
-  constexpr std::size_t kMostForEach = 100;
-  const std::size_t most =
-      std::min(kMaxMeshVertices, kMostForEach * (wanted + outlines.number_of_vertices()));
-
   constexpr int kTries = 5;
   constexpr double kNearEnough = 0.05;
   Draft best;
   double best_miss = 0;
+  bool refused = false;
   for (int i = 0; i < kTries; ++i) {
-    TRY(Draft draft, Refine(outlines, seeds, edge, most));
-    const double ratio = static_cast<double>(draft.mesh.vertices.size()) / asked;
+    auto draft = Refine(outlines, seeds, edge, most, watch);
+    if (!draft) {
+      // More were asked for than there may be, or narrow places need them whatever the bound.
+      const bool too_many = !DetailOf(draft.error(), "limit").empty();
+      if (too_many && !best.mesh.vertices.empty()) break;
+      if (!too_many || refused) return draft;
+      refused = true;
+      edge *= 2;
+      continue;
+    }
+    const double ratio = static_cast<double>(draft->mesh.vertices.size()) / asked;
     const double miss = std::abs(std::log(ratio));
-    if (i == 0 || miss < best_miss) {
-      best = std::move(draft);
+    if (best.mesh.vertices.empty() || miss < best_miss) {
+      best = *std::move(draft);
       best_miss = miss;
     } else if (ratio > 1) {
       break;  // the outline alone needs them
@@ -271,6 +337,12 @@ Result<QualityMesh> Finish(Draft draft, std::size_t pieces) {
   return result;
 }
 
+std::size_t PointsOf(std::span<const Outline> outlines) {
+  std::size_t points = 0;
+  for (const Outline& outline : outlines) points += outline.size();
+  return points;
+}
+
 Status Check(std::span<const Outline> outlines, std::size_t vertices) {
   if (vertices < 1 || vertices > kMaxAskedVertices) {
     return Fail(Fault(FaultKind::kInvalidOption,
@@ -278,7 +350,6 @@ Status Check(std::span<const Outline> outlines, std::size_t vertices) {
                                   vertices, kMaxAskedVertices))
                     .Detail("limit", kMaxAskedVertices));
   }
-  std::size_t points = 0;
   for (std::size_t i = 0; i < outlines.size(); ++i) {
     const auto id = static_cast<std::uint32_t>(i);
     if (outlines[i].size() < 3) {
@@ -287,7 +358,6 @@ Status Check(std::span<const Outline> outlines, std::size_t vertices) {
                                     outlines[i].size()))
                       .Element(id));
     }
-    points += outlines[i].size();
     for (const Complex p : outlines[i]) {
       constexpr double kLargest = 1e15;  // their products are finite, and differences have digits
       if (!(std::abs(p.real()) <= kLargest && std::abs(p.imag()) <= kLargest)) {
@@ -298,7 +368,7 @@ Status Check(std::span<const Outline> outlines, std::size_t vertices) {
       }
     }
   }
-  if (points > kMaxOutlinePoints) {
+  if (const std::size_t points = PointsOf(outlines); points > kMaxOutlinePoints) {
     return Fail(Fault(FaultKind::kLimitExceeded,
                       fmt::format("The outlines have {} points: the limit is {}.", points,
                                   kMaxOutlinePoints))
@@ -309,21 +379,35 @@ Status Check(std::span<const Outline> outlines, std::size_t vertices) {
 
 }  // namespace
 
-Result<QualityMesh> MeshOutlines(std::span<const Outline> outlines, std::size_t vertices) {
+Result<QualityMesh> MeshOutlines(std::span<const Outline> outlines, std::size_t vertices,
+                                 std::size_t most, const CancelToken& cancel) {
   CHECK_OK(Check(outlines, vertices));
+  constexpr std::size_t kMostForEach = 100;
+  const std::size_t points = PointsOf(outlines);
+  most = std::min({most, kMaxMeshVertices, kMostForEach * (vertices + points)});
+  // What is drawn against us may take quadratic time.
+  Watch watch(cancel, 5 + 20 * EstimateMeshing(points, vertices, most).seconds);
+
   Delaunay delaunay;
-  CHECK_OK(Insert(outlines, delaunay));
+  CHECK_OK(Insert(outlines, watch, delaunay));
   const std::vector<Region> regions =
       delaunay.dimension() < 2 ? std::vector<Region>() : RegionsOf(delaunay);
   if (regions.empty()) return Fail(FaultKind::kEmptyMesh, "The outlines have nothing inside.");
 
-  TRY(Draft draft, RefineTo(vertices, delaunay, regions));
+  TRY(Draft draft, RefineTo(vertices, delaunay, regions, most, watch));
   constexpr int kSmoothings = 4;
   for (int i = 0; i < kSmoothings; ++i) {
+    CHECK_OK(cancel.Check());
     Smooth(draft.on_outline, draft.mesh);
     draft = Retriangulate(draft, SeedsOf(regions));
   }
   return Finish(std::move(draft), regions.size());
+}
+
+MeshingCost EstimateMeshing(std::size_t points, std::size_t vertices, std::size_t most) {
+  // Measured; a point of an outline needs a vertex, and often another one near it.
+  const double likely = static_cast<double>(std::min(vertices + 2 * points, most + points));
+  return {25e-6 * likely, 1000 * most};
 }
 
 }  // namespace arap

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <span>
 
+#include "arap/base/cancel.h"
 #include "arap/base/result.h"
-#include "arap/model/mesh.h"
-#include "core/outline/outline.h"
+#include "arap/model/outline.h"
 
 namespace arap {
 
@@ -15,25 +15,26 @@ namespace arap {
 inline constexpr std::size_t kMaxAskedVertices = 1'000'000;
 inline constexpr std::size_t kMaxMeshVertices = 1'500'000;
 
-struct QualityMesh {
-  // Counter-clockwise, no loose vertices, in an order that depends on the outlines alone;
-  // coordinates are rounded to the ninth digit of the largest one.
-  PlanarMesh mesh;
-  std::size_t pieces = 0;     // connected through edges
-  std::size_t holes = 0;      // of all pieces
-  double smallest_angle = 0;  // degrees
-};
-
 // Triangles in what lies inside an odd number of `outlines`, which may run either way: about
 // `vertices` vertices (1 to kMaxAskedVertices) when that is enough, small triangles at small
-// features and larger ones away from them. No angle is below 20 degrees, except at corners of the
-// outlines that are sharper, and near places that come close to one another. All points of the
-// outlines are vertices.
+// features and larger ones away from them, at most `most` vertices. No angle is below 20 degrees,
+// except at corners of the outlines that are sharper, and near places that come close to one
+// another. All points of the outlines are vertices.
 //
-// kInvalidOption: outlines that cross, share a line, or have fewer than three points. kEmptyMesh:
-// nothing inside. kNonFiniteCoordinate. kLimitExceeded: more than kMaxOutlinePoints, or places so
-// narrow that they need more vertices than the above. About n log n: 20 µs and half a kilobyte for
-// a vertex.
-Result<QualityMesh> MeshOutlines(std::span<const Outline> outlines, std::size_t vertices);
+// kInvalidOption: outlines that cross, touch, or have fewer than three points, by their place in
+// `outlines` where one alone is at fault. kEmptyMesh: nothing inside. kNonFiniteCoordinate.
+// kLimitExceeded: more than kMaxOutlinePoints, outlines that are wound into one another so often
+// that looking at them takes too long, or places so narrow that they need more vertices than
+// `most`. Those of `cancel`, which is asked every few milliseconds.
+Result<QualityMesh> MeshOutlines(std::span<const Outline> outlines, std::size_t vertices,
+                                 std::size_t most = kMaxMeshVertices,
+                                 const CancelToken& cancel = {});
+
+// What that takes at most with outlines of so many points in all, but where they are narrow.
+struct MeshingCost {
+  double seconds = 0;     // of processor time
+  std::size_t bytes = 0;  // at the peak
+};
+MeshingCost EstimateMeshing(std::size_t points, std::size_t vertices, std::size_t most);
 
 }  // namespace arap

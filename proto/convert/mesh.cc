@@ -1,6 +1,7 @@
 #include "proto/convert/mesh.h"
 
 #include <iterator>
+#include <string>
 
 #include <arap/v1/deformation_service.pb.h>
 #include <arap/v1/geometry.pb.h>
@@ -12,9 +13,7 @@
 namespace arap::convert {
 namespace {
 
-Status CheckArray(int length, int group, const char* field, std::size_t limit, const char* quota) {
-  CHECK_OK(CheckGroups(length, group, field));
-  const auto count = static_cast<std::size_t>(length / group);
+Status CheckSize(std::size_t count, const char* field, std::size_t limit, const char* quota) {
   if (count <= limit) return {};
   return Fail(Fault(FaultKind::kMeshTooLarge, fmt::format("{} has {} elements, more than {} of {}.",
                                                           field, count, quota, limit))
@@ -22,6 +21,11 @@ Status CheckArray(int length, int group, const char* field, std::size_t limit, c
                   .Detail("count", count)
                   .Detail("quota", quota)
                   .Detail("limit", limit));
+}
+
+Status CheckArray(int length, int group, const char* field, std::size_t limit, const char* quota) {
+  CHECK_OK(CheckGroups(length, group, field));
+  return CheckSize(static_cast<std::size_t>(length / group), field, limit, quota);
 }
 
 template <class Mesh>
@@ -67,6 +71,34 @@ void ToWire(const PlanarMesh& mesh, v1::PlanarMesh* out) {
 void ToWire(const SurfaceMesh& mesh, v1::SurfaceMesh* out) {
   AppendGroups(mesh.vertices, out->mutable_vertices());
   AppendGroups(mesh.triangles, out->mutable_triangles());
+}
+
+Result<std::vector<Outline>> FromWire(
+    const google::protobuf::RepeatedPtrField<v1::Outline>& outlines, std::size_t max_points) {
+  std::size_t points = 0;
+  for (int i = 0; i < outlines.size(); ++i) {
+    const std::string field = fmt::format("outlines[{}].points", i);
+    CHECK_OK(CheckGroups(outlines[i].points_size(), 2, field));
+    points += static_cast<std::size_t>(outlines[i].points_size()) / 2;
+    CHECK_OK(CheckSize(points, "outlines", max_points, "max_vertices"));
+  }
+  std::vector<Outline> out;
+  for (const v1::Outline& outline : outlines) out.push_back(Points(outline.points()));
+  return out;
+}
+
+void ToWire(const std::vector<Outline>& outlines,
+            google::protobuf::RepeatedPtrField<v1::Outline>* out) {
+  for (const Outline& outline : outlines) {
+    AppendPoints(outline, out->Add()->mutable_points());
+  }
+}
+
+void ToWire(const QualityMesh& mesh, v1::MeshOutlineResponse* out) {
+  ToWire(mesh.mesh, out->mutable_mesh());
+  out->set_piece_count(static_cast<std::uint32_t>(mesh.pieces));
+  out->set_hole_count(static_cast<std::uint32_t>(mesh.holes));
+  out->set_smallest_angle_degrees(mesh.smallest_angle);
 }
 
 Result<EnergyOptions> FromWire(const v1::EnergyOptions& energy, EnergyOptions defaults) {

@@ -8,6 +8,7 @@
 #include "arap/base/result.h"
 #include "arap/model/energy.h"
 #include "arap/model/mesh.h"
+#include "arap/model/outline.h"
 
 namespace google::protobuf {
 template <typename T>
@@ -16,6 +17,8 @@ class RepeatedPtrField;
 namespace arap::v1 {
 class EnergyOptions;
 class MeshInfo;
+class MeshOutlineResponse;
+class Outline;
 class PlanarMesh;
 class SurfaceMesh;
 class Warning;
@@ -28,6 +31,13 @@ Result<PlanarMesh> FromWire(const v1::PlanarMesh& mesh, const MeshLimits& limits
 Result<SurfaceMesh> FromWire(const v1::SurfaceMesh& mesh, const MeshLimits& limits);
 void ToWire(const PlanarMesh& mesh, v1::PlanarMesh* out);
 void ToWire(const SurfaceMesh& mesh, v1::SurfaceMesh* out);
+
+// Faults: kArrayLength with the field, and kMeshTooLarge before anything is copied.
+Result<std::vector<Outline>> FromWire(
+    const google::protobuf::RepeatedPtrField<v1::Outline>& outlines, std::size_t max_points);
+void ToWire(const std::vector<Outline>& outlines,
+            google::protobuf::RepeatedPtrField<v1::Outline>* out);
+void ToWire(const QualityMesh& mesh, v1::MeshOutlineResponse* out);
 
 // `defaults` stands for what is not specified. kInvalidOption for a value that this version does
 // not know.

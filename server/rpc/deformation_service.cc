@@ -93,6 +93,26 @@ Status RegisterMesh(app::Engine& engine, const v1::RegisterMeshRequest& request,
   return {};
 }
 
+namespace {
+
+std::size_t VerticesAsked(const v1::MeshOutlineRequest& request) {
+  constexpr std::size_t kDefault = 1000;
+  return request.vertex_count() == 0 ? kDefault : request.vertex_count();
+}
+
+}  // namespace
+
+Status MeshOutline(app::Engine& engine, const v1::MeshOutlineRequest& request, const Call& call,
+                   v1::MeshOutlineResponse* response) {
+  const runtime::WallTimer working;
+  TRY(const auto outlines, FromWire(request.outlines(), engine.limits.max_vertices));
+  TRY(const auto mesh,
+      app::MeshOutlines(engine, call.caller, outlines, VerticesAsked(request), call.cancel));
+  ToWire(mesh, response);
+  SetTimes(call, working, response);
+  return {};
+}
+
 Status GetMesh(app::Engine& engine, const v1::GetMeshRequest& request, const Call& call,
                v1::GetMeshResponse* response) {
   TRY(const auto session, SessionOf(engine, call, request.session_id()));
@@ -202,6 +222,14 @@ Expected ExpectRegistration(app::Engine&, const app::Session*,
   return {false, EstimateRegistration(vertices, Basis::kEdge).seconds()};
 }
 
+Expected ExpectOutline(app::Engine&, const app::Session*, const v1::MeshOutlineRequest& request) {
+  std::size_t points = 0;
+  for (const v1::Outline& outline : request.outlines()) {
+    points += static_cast<std::size_t>(outline.points_size()) / 2;
+  }
+  return {false, app::ExpectMeshing(points, VerticesAsked(request))};
+}
+
 Expected ExpectMesh(app::Engine& engine, const app::Session* session,
                     const v1::GetMeshRequest& request) {
   if (session == nullptr) return kCold;
@@ -259,6 +287,8 @@ NamedService MakeDeformationService(const Backend& backend) {
   service->Unary({"DeleteSession", Cost::kStore}, DeleteSession);
   service->Unary({"RegisterMesh", Cost::kHeavy, false, &engine.registrations}, RegisterMesh,
                  ExpectRegistration);
+  service->Unary({"MeshOutline", Cost::kHeavy, false, &engine.registrations}, MeshOutline,
+                 ExpectOutline);
   service->Unary({"GetMesh", Cost::kLookUp, kNoisy}, GetMesh, ExpectMesh);
   service->Unary({"DeleteMesh", Cost::kStore}, DeleteMesh);
   service->Unary({"CompileHandles", Cost::kHeavy, false, &engine.compilations}, CompileHandles,

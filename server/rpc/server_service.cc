@@ -30,7 +30,7 @@ constexpr const char* kCapabilities[] = {"basis.edge",          "basis.edge_as_p
                                          "flatten.seams",       "flatten.auto_cut",
                                          "flatten.injective",   "flatten.pins",
                                          "flatten.grain_lines", "flatten.surface_key",
-                                         "result.float64"};
+                                         "result.float64",      "mesh.outline"};
 
 class UnknownMethods final : public grpc::CallbackGenericService {
  public:

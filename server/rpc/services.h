@@ -59,6 +59,8 @@ Status DeleteSession(app::Engine& engine, const v1::DeleteSessionRequest& reques
                      v1::DeleteSessionResponse* response);
 Status RegisterMesh(app::Engine& engine, const v1::RegisterMeshRequest& request, const Call& call,
                     v1::RegisterMeshResponse* response);
+Status MeshOutline(app::Engine& engine, const v1::MeshOutlineRequest& request, const Call& call,
+                   v1::MeshOutlineResponse* response);
 Status GetMesh(app::Engine& engine, const v1::GetMeshRequest& request, const Call& call,
                v1::GetMeshResponse* response);
 Status DeleteMesh(app::Engine& engine, const v1::DeleteMeshRequest& request, const Call& call,

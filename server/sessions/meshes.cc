@@ -1,5 +1,6 @@
 #include "server/sessions/meshes.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -9,6 +10,7 @@
 #include "arap/core/cost.h"
 #include "core/base/names.h"
 #include "core/base/try.h"
+#include "core/outline/quality_mesh.h"
 #include "core/token/digest.h"
 #include "server/budget/faults.h"
 #include "server/runtime/clock.h"
@@ -168,6 +170,36 @@ Result<Registration> RegisterMesh(Workshop& workshop, const Caller& caller,
   entry = KeepWarm(workshop, caller.owner, std::move(entry));
   if (!shared) workshop.metrics.Phase(runtime::Phase::kRegister, working.Micros() * 1e-6);
   return Registration{std::move(entry), shared};
+}
+
+namespace {
+
+// What a mesh inside outlines may have: enough for all that is not meant to be slow.
+std::size_t MostVertices(std::size_t points, std::size_t vertices) {
+  return 4 * (points + vertices) + 1000;
+}
+
+}  // namespace
+
+Result<QualityMesh> MeshOutlines(Workshop& workshop, const Caller& caller,
+                                 const std::vector<Outline>& outlines, std::size_t vertices,
+                                 const CancelToken& cancel) {
+  const std::size_t limit = workshop.limits.max_vertices;
+  if (vertices > limit) {
+    return Fail(TooLarge("vertex_count", "max_vertices", vertices, limit).Field("vertex_count"));
+  }
+  std::size_t points = 0;
+  for (const Outline& outline : outlines) points += outline.size();
+  const std::size_t most = std::min(limit, MostVertices(points, vertices));
+  TRY(const auto room,
+      workshop.derived.Reserve(caller, EstimateMeshing(points, vertices, most).bytes));
+  auto mesh = arap::MeshOutlines(outlines, vertices, most, cancel);
+  if (!mesh) return Fail(std::move(mesh.error()).Field("outlines"));
+  return mesh;
+}
+
+double ExpectMeshing(std::size_t points, std::size_t vertices) {
+  return EstimateMeshing(points, vertices, MostVertices(points, vertices)).seconds;
 }
 
 Result<MeshEntry> WarmMesh(Workshop& workshop, const Caller& caller, const Session& session,

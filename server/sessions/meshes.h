@@ -6,12 +6,14 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "arap/base/cancel.h"
 #include "arap/base/result.h"
 #include "arap/core/registered_mesh.h"
 #include "arap/model/energy.h"
 #include "arap/model/mesh.h"
+#include "arap/model/outline.h"
 #include "server/access/caller.h"
 #include "server/budget/derived_cache.h"
 #include "server/sessions/session.h"
@@ -39,6 +41,16 @@ Result<Registration> RegisterMesh(Workshop& workshop, const Caller& caller,
                                   const std::string& session_id, std::string mesh_id,
                                   PlanarMesh mesh, const EnergyOptions& options,
                                   const CancelToken& cancel);
+
+// Triangles inside outlines (core/outline/quality_mesh.h), in memory that is reserved for the
+// caller: about `vertices`, and no more than a few times as many as that and the outlines have
+// points. Takes about ExpectMeshing seconds: for the job lane. Faults: those of arap::MeshOutlines
+// with the field, kInvalidOption for `vertices`, kLimitExceeded when the memory is not to be had.
+Result<QualityMesh> MeshOutlines(Workshop& workshop, const Caller& caller,
+                                 const std::vector<Outline>& outlines, std::size_t vertices,
+                                 const CancelToken& cancel);
+// Of outlines of so many points.
+double ExpectMeshing(std::size_t points, std::size_t vertices);
 
 // The entry. When it is not warm this takes as long as the registration: for the job lane. Faults:
 // kNotFound; kDataLoss for a blob that is missing or damaged; kLimitExceeded when the memory is not

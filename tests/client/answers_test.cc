@@ -264,6 +264,23 @@ TEST_F(AnswersTest, MeshesAreThoseThatWereSent) {
   EXPECT_TRUE(refused([](v1::MeshInfo& mesh) { mesh.set_area(kNan); }));
 }
 
+TEST_F(AnswersTest, MeshesOfOutlinesAreMeshes) {
+  const std::vector<Outline> outlines{{{0, 0}, {1, 0}, {0, 1}}};
+  const auto refused = [&](auto change) {
+    Change<v1::MeshOutlineResponse>(
+        [change](v1::MeshOutlineResponse& answer) { change(*answer.mutable_mesh()); });
+    const auto answer = client_.MeshOutline(outlines);
+    return !answer && answer.error().kind == FaultKind::kInternal;
+  };
+  EXPECT_FALSE(refused([](v1::PlanarMesh&) {}));
+  EXPECT_TRUE(refused([](v1::PlanarMesh& mesh) { mesh.add_vertices(5); }));
+  EXPECT_TRUE(refused([](v1::PlanarMesh& mesh) { mesh.add_triangles(0); }));
+  EXPECT_TRUE(refused([](v1::PlanarMesh& mesh) { mesh.set_vertices(0, kNan); }));
+  EXPECT_TRUE(refused([](v1::PlanarMesh& mesh) { mesh.set_triangles(0, 3); }));
+  EXPECT_TRUE(refused([](v1::PlanarMesh& mesh) { mesh.set_triangles(0, 1); }));
+  EXPECT_TRUE(refused([](v1::PlanarMesh& mesh) { mesh.mutable_triangles()->SwapElements(0, 1); }));
+}
+
 TEST_F(AnswersTest, OptionsOfANewerServerAreNoFault) {
   Change<v1::RegisterMeshResponse>([](v1::RegisterMeshResponse& answer) {
     answer.mutable_mesh()->mutable_energy()->set_basis(static_cast<v1::Basis>(77));

@@ -104,6 +104,7 @@ void Mesh(const std::uint8_t* data, std::size_t size) {
       Handle<v1::DeleteMeshRequest, v1::DeleteMeshResponse, rpc::DeleteMesh>,
       Handle<v1::CompileHandlesRequest, v1::CompileHandlesResponse, rpc::CompileHandles>,
       Handle<v1::DeformRequest, v1::DeformResponse, rpc::Deform>,
+      Handle<v1::MeshOutlineRequest, v1::MeshOutlineResponse, rpc::MeshOutline>,
   };
   RunCalls(kMethods, data, size);
 }

@@ -48,6 +48,17 @@ class FakeDeformation final : public v1::DeformationService::Service {
                         [&](const auto&) { return grpc::Status::OK; });
   }
 
+  // One triangle, whatever the outlines.
+  grpc::Status MeshOutline(ServerContext* context, const v1::MeshOutlineRequest* request,
+                           v1::MeshOutlineResponse* response) override {
+    return state_.Unary("MeshOutline", context, *request, response, [&](const auto&) {
+      for (const double x : {0, 0, 1, 0, 0, 1}) response->mutable_mesh()->add_vertices(x);
+      for (const std::uint32_t v : {0u, 1u, 2u}) response->mutable_mesh()->add_triangles(v);
+      response->set_piece_count(1);
+      return grpc::Status::OK;
+    });
+  }
+
   grpc::Status RegisterMesh(ServerContext* context, const v1::RegisterMeshRequest* request,
                             v1::RegisterMeshResponse* response) override {
     return state_.Unary("RegisterMesh", context, *request, response, [&](const auto& session) {

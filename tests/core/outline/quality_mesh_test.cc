@@ -3,11 +3,13 @@
 #include <limits>
 #include <numbers>
 #include <set>
+#include <string>
 #include <utility>
 
 #include <gtest/gtest.h>
 
 #include "core/base/plane.h"
+#include "core/outline/outline.h"
 #include "core/outline/smooth.h"
 
 namespace arap {
@@ -146,6 +148,8 @@ TEST(MeshOutlines, WhatIsWrongIsRefused) {
       {"two that cross", {box, Box(5, 5, 15, 15)}, 100, FaultKind::kInvalidOption},
       {"one twice", {box, box}, 100, FaultKind::kInvalidOption},
       {"a common side", {box, Box(10, 2, 20, 8)}, 100, FaultKind::kInvalidOption},
+      {"a common corner", {box, Box(10, 10, 20, 20)}, 100, FaultKind::kInvalidOption},
+      {"a corner on a side", {box, {{10, 5}, {20, 0}, {20, 9}}}, 100, FaultKind::kInvalidOption},
       {"not a number", {{{0, 0}, {1, kNan}, {0, 1}}}, 100, FaultKind::kNonFiniteCoordinate},
       {"infinite", {{{0, 0}, {kInfinity, 0}, {0, 1}}}, 100, FaultKind::kNonFiniteCoordinate},
       {"too far", {{{0, 0}, {1e200, 0}, {0, 1}}}, 100, FaultKind::kNonFiniteCoordinate},
@@ -158,6 +162,17 @@ TEST(MeshOutlines, WhatIsWrongIsRefused) {
     ASSERT_FALSE(result) << what;
     EXPECT_EQ(result.error().kind, kind) << what << ": " << result.error().message;
   }
+  for (const std::size_t most : {10u, 200u}) {
+    const auto narrow =
+        MeshOutlines(std::vector<Outline>{box, Backwards(Box(1e-3, 1, 9, 9))}, 20, most);
+    ASSERT_FALSE(narrow);
+    EXPECT_EQ(DetailOf(narrow.error(), "limit"), std::to_string(most));
+  }
+  const CancelToken cancelled(
+      [] { return Status(Fail(FaultKind::kCancelled, "The caller gave up.")); });
+  const auto stopped = MeshOutlines(std::vector<Outline>{box}, 1000, kMaxMeshVertices, cancelled);
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().kind, FaultKind::kCancelled);
   const auto many = MeshOutlines(
       std::vector<Outline>{Circle(0, 10, static_cast<int>(kMaxOutlinePoints) + 1)}, 100);
   ASSERT_FALSE(many);

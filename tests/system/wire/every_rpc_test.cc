@@ -34,6 +34,7 @@ TEST_F(EveryRpcTest, EveryRpcAsksWhoIsCalling) {
   ask(&D::GetSession, v1::GetSessionRequest(), v1::GetSessionResponse());
   ask(&D::ListSessions, v1::ListSessionsRequest(), v1::ListSessionsResponse());
   ask(&D::DeleteSession, v1::DeleteSessionRequest(), v1::DeleteSessionResponse());
+  ask(&D::MeshOutline, v1::MeshOutlineRequest(), v1::MeshOutlineResponse());
   ask(&D::GetMesh, v1::GetMeshRequest(), v1::GetMeshResponse());
   ask(&D::DeleteMesh, v1::DeleteMeshRequest(), v1::DeleteMeshResponse());
   ask(&D::EditHandles, v1::EditHandlesRequest(), v1::EditHandlesResponse());

@@ -17,6 +17,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -90,7 +91,7 @@ class Client {
   // Waits until the connection stands. kDeadlineExceeded after `timeout`.
   Status WaitReady(std::chrono::milliseconds timeout) const;
 
-  // Within kQuickLimit, as the other calls here but Flatten.
+  // Within kQuickLimit, as the other calls here but MeshOutline and Flatten.
   Result<ServerInfo> GetServerInfo(const CallOptions& call = {}) const;
 
   // Opens a session on the server. Repeating it with the same id and arguments is harmless.
@@ -101,6 +102,11 @@ class Client {
   // The caller's sessions, `page_size` (1 to 1000; 0: the server's choice) at a time.
   Result<SessionPage> ListSessions(std::uint32_t page_size = 0, const std::string& page_token = {},
                                    const CallOptions& call = {}) const;
+
+  // Triangles inside outlines: a mesh to register, with about so many vertices (0: 1000).
+  // Stateless: needs no session. Within kWorkLimit.
+  Result<OutlineMesh> MeshOutline(std::span<const Outline> outlines, std::uint32_t vertices = 0,
+                                  const CallOptions& call = {}) const;
 
   // Flattens a surface, true to size. Stateless: needs no session. Within kWorkLimit.
   Result<FlatSurface> Flatten(const SurfaceMesh& mesh, const FlattenQuery& query = {},

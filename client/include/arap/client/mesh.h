@@ -7,14 +7,17 @@
 
 #include "arap/model/energy.h"
 #include "arap/model/mesh.h"
+#include "arap/model/outline.h"
 
 namespace arap::client {
 
 using arap::Basis;
 using arap::Complex;
 using arap::EnergyOptions;
+using arap::Outline;
 using arap::PlanarMesh;
 using arap::Point3;
+using arap::QualityMesh;
 using arap::RegistrationReport;
 using arap::SurfaceMesh;
 using arap::Triangle;
@@ -37,6 +40,13 @@ struct MeshInfo {
 struct Registration {
   MeshInfo mesh;
   bool shared = false;      // whether the factors were there already
+  double queue_micros = 0;  // time spent waiting for a worker
+  double solve_micros = 0;  // time spent computing
+};
+
+// The answer to MeshOutline.
+struct OutlineMesh {
+  QualityMesh triangles;
   double queue_micros = 0;  // time spent waiting for a worker
   double solve_micros = 0;  // time spent computing
 };
