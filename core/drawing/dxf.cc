@@ -18,8 +18,9 @@ struct Layer {
   int color;  // AutoCAD's number
 };
 
-// By LineKind.
-constexpr std::array<Layer, 4> kLayers{{{"OUTLINE", 7}, {"SEAM", 1}, {"CUT", 3}, {"GRAIN", 5}}};
+// By LineKind, and that of labels at the end.
+constexpr std::array<Layer, 6> kLayers{
+    {{"OUTLINE", 7}, {"SEAM", 1}, {"CUT", 3}, {"GRAIN", 5}, {"NOTCH", 6}, {"LABEL", 8}}};
 
 std::string_view NameOf(LineKind kind) { return kLayers[static_cast<std::size_t>(kind)].name; }
 
@@ -200,7 +201,7 @@ void WriteBlocks(const Spaces& spaces, Writer& out) {
 }
 
 void WriteLine(const PatternLine& line, int owner, Writer& out) {
-  const bool straight = line.kind == LineKind::kGrain;
+  const bool straight = line.kind == LineKind::kGrain || line.kind == LineKind::kNotch;
   out.Begin(straight ? "LINE" : "LWPOLYLINE", owner, {"AcDbEntity"});
   out.Pair(8, NameOf(line.kind));
   if (straight) {
@@ -213,6 +214,41 @@ void WriteLine(const PatternLine& line, int owner, Writer& out) {
   out.Pair(90, line.points.size());
   out.Pair(70, line.closed ? 1 : 0);
   for (const Complex p : line.points) out.Point(10, p);
+}
+
+// UTF-8 as the format has it, where characters beyond ASCII are \U+ and four digits; what has none is
+// a question mark, and so is what would end the line.
+std::string Escaped(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    if (byte < 0x80) {
+      out += byte < 0x20 || byte == 0x7f ? '?' : text[i];
+      continue;
+    }
+    const std::size_t more = byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : byte >= 0xc0 ? 1 : 0;
+    unsigned code = more == 0 ? 0 : byte & (0x3fU >> more);
+    std::size_t read = 0;
+    while (read < more && i + 1 < text.size() && (text[i + 1] & 0xc0) == 0x80) {
+      code = code << 6 | (static_cast<unsigned char>(text[++i]) & 0x3fU);
+      ++read;
+    }
+    out += more == 0 || read < more || code > 0xffff ? "?" : fmt::format("\\U+{:04X}", code);
+  }
+  return out;
+}
+
+void WriteLabel(const PatternLabel& label, int owner, Writer& out) {
+  out.Begin("TEXT", owner, {"AcDbEntity"});
+  out.Pair(8, kLayers.back().name);
+  out.Pair(100, "AcDbText");
+  out.Point3(10, label.at);
+  out.Pair(40, fmt::format("{:.3f}", label.height));
+  out.Pair(1, Escaped(label.text));
+  out.Pair(72, 1);  // centred at the second point
+  out.Point3(11, label.at);
+  out.Pair(100, "AcDbText");
+  out.Pair(73, 2);
 }
 
 // The dictionary that every file has.
@@ -237,6 +273,7 @@ std::string FormatDxf(const Pattern& pattern) {
   body.Section("ENTITIES");
   for (const PatternPiece& piece : pattern.pieces) {
     for (const PatternLine& line : piece.lines) WriteLine(line, spaces.model, body);
+    for (const PatternLabel& label : piece.labels) WriteLabel(label, spaces.model, body);
   }
   body.Pair(0, "ENDSEC");
   WriteObjects(body);

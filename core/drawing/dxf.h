@@ -9,7 +9,7 @@ namespace arap {
 
 // DXF of release 2000 (ASCII), the first that says its unit: millimetres ($INSUNITS 4,
 // $MEASUREMENT 1), y up. Layers: OUTLINE and SEAM with polylines, closed where they are, CUT (the
-// allowance) with closed ones, GRAIN with lines. Three digits more than DigitsFor the pattern.
+// allowance) with closed ones, GRAIN and NOTCH with lines, LABEL with texts. Three digits more than DigitsFor the pattern.
 std::string FormatDxf(const Pattern& pattern);
 
 }  // namespace arap

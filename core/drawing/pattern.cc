@@ -8,7 +8,11 @@
 #include <set>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "core/base/try.h"
+#include "core/drawing/arrange.h"
+#include "core/drawing/notches.h"
 
 namespace arap {
 namespace {
@@ -118,64 +122,46 @@ std::optional<std::pair<std::uint32_t, std::uint32_t>> EndsOf(
   return best;
 }
 
-bool Touch(const Bounds& a, const Bounds& b) {
-  return a.min_x < b.max_x && b.min_x < a.max_x && a.min_y < b.max_y && b.min_y < a.max_y;
-}
-
-bool AnyTouch(std::vector<Bounds> boxes) {
-  std::sort(boxes.begin(), boxes.end(),
-            [](const Bounds& a, const Bounds& b) { return a.min_x < b.min_x; });
-  for (auto box = boxes.begin(); box != boxes.end(); ++box) {
-    for (auto next = box + 1; next != boxes.end() && next->min_x < box->max_x; ++next) {
-      if (Touch(*box, *next)) return true;
-    }
-  }
-  return false;
-}
-
-// How far to move each box so that all stand in rows about as long as they are high together.
-std::vector<Complex> SetOut(const std::vector<Bounds>& boxes, double gap) {
-  double area = 0, widest = 0;
-  for (const Bounds& box : boxes) {
-    area += (box.width() + gap) * (box.height() + gap);
-    widest = std::max(widest, box.width());
-  }
-  const double row_width = std::max(widest, 1.25 * std::sqrt(area));
-  std::vector<Complex> moves;
-  double x = 0, y = 0, row_height = 0;
-  for (const Bounds& box : boxes) {
-    if (x > 0 && x + box.width() > row_width) {
-      y -= row_height + gap;
-      x = row_height = 0;
-    }
-    moves.emplace_back(x - box.min_x, y - box.max_y);
-    x += box.width() + gap;
-    row_height = std::max(row_height, box.height());
-  }
-  return moves;
-}
-
-Bounds BoxOf(const PatternPiece& piece) {
-  Bounds box;
-  for (const PatternLine& line : piece.lines) box.Add(line.points);
-  return box;
-}
-
-void Move(const std::vector<Complex>& moves, Pattern& pattern) {
-  for (std::size_t u = 0; u < pattern.points.size(); ++u) {
-    if (pattern.piece_of[u] < moves.size()) pattern.points[u] += moves[pattern.piece_of[u]];
-  }
-  for (std::size_t i = 0; i < moves.size(); ++i) {
-    PatternPiece& piece = pattern.pieces[i];
-    for (PatternLine& line : piece.lines) {
-      for (Complex& p : line.points) p += moves[i];
-    }
-    piece.box = piece.box.Moved(moves[i]);
+// A warning about some pieces: `what` about the first, and how many more there are.
+void AddWarning(std::string kind, std::span<const std::uint32_t> pieces, const std::string& what,
+                std::vector<Warning>& warnings) {
+  if (pieces.empty()) return;
+  constexpr std::size_t kNamed = 10;
+  const auto named = pieces.first(std::min(pieces.size(), kNamed));
+  Warning& warning = warnings.emplace_back();
+  warning.kind = std::move(kind);
+  warning.count = pieces.size();
+  warning.elements.assign(named.begin(), named.end());
+  warning.message = fmt::format("the allowance of piece {} {}", pieces.front() + 1, what);
+  if (pieces.size() > 1) {
+    warning.message += fmt::format("; so it is with {} more pieces", pieces.size() - 1);
   }
 }
 
-Status AddAllowance(const Flattening& flat, double width, Pattern& pattern) {
-  std::vector<Bounds> boxes;
+// What each piece has lost.
+std::vector<Warning> LostWarnings(std::span<const std::optional<double>> lost, double width) {
+  constexpr double kWorthTelling = 0.2;  // of the width
+  std::vector<std::uint32_t> narrow, unknown;
+  for (std::uint32_t i = 0; i < lost.size(); ++i) {
+    if (!lost[i]) unknown.push_back(i);
+    if (lost[i] > kWorthTelling * width) narrow.push_back(i);
+  }
+  std::vector<Warning> warnings;
+  if (!narrow.empty()) {
+    AddWarning(
+        "allowance_lost", narrow,
+        fmt::format("runs into the piece or closes a gap of it: {:.1f} mm of its outline have "
+                    "none of their own",
+                    *lost[narrow.front()]),
+        warnings);
+  }
+  AddWarning("allowance_unchecked", unknown,
+             "winds too narrowly to find out whether it runs into the piece", warnings);
+  return warnings;
+}
+
+Status AddAllowance(const Flattening& flat, const PatternOptions& options, Pattern& pattern) {
+  std::vector<std::optional<double>> lost;
   BorderBudget budget;
   for (std::size_t c = 0; c < flat.charts.size(); ++c) {
     std::vector<Ring> rings;
@@ -183,13 +169,13 @@ Status AddAllowance(const Flattening& flat, double width, Pattern& pattern) {
       Ring& ring = rings.emplace_back();
       for (const std::uint32_t u : loop) ring.push_back(pattern.points[u]);
     }
-    TRY(std::vector<Ring> borders, OffsetOutwards(rings, width, budget));
-    for (Ring& ring : borders) {
+    TRY(Allowance allowance, OffsetOutwards(rings, options.allowance, options.corners, budget));
+    for (Ring& ring : allowance.rings) {
       pattern.pieces[c].lines.push_back({LineKind::kAllowance, /*closed=*/true, std::move(ring)});
     }
-    boxes.push_back(BoxOf(pattern.pieces[c]));
+    lost.push_back(allowance.lost);
   }
-  if (AnyTouch(boxes)) Move(SetOut(boxes, width), pattern);
+  pattern.warnings = LostWarnings(lost, options.allowance);
   return {};
 }
 
@@ -204,6 +190,12 @@ Bounds Pattern::Box() const {
     for (const PatternLine& line : piece.lines) box.Add(line.points);
   }
   return box;
+}
+
+std::array<Complex, 3> ArrowHead(const PatternLine& line, double length) {
+  const Complex tip = line.points.back(), along = tip - line.points.front();
+  const Complex back = -along / std::abs(along) * std::min(length, std::abs(along) / 3);
+  return {tip + back * std::polar(1.0, 0.4), tip, tip + back * std::polar(1.0, -0.4)};
 }
 
 Result<Pattern> MakePattern(const Flattening& flat, const PatternOptions& options) {
@@ -225,6 +217,16 @@ Result<Pattern> MakePattern(const Flattening& flat, const PatternOptions& option
     if (pattern.piece_of[u] >= pattern.pieces.size()) continue;
     pattern.pieces[pattern.piece_of[u]].box.Add(pattern.points[u]);
   }
+  for (std::size_t i = 0; i < std::min(pattern.pieces.size(), options.names.size()); ++i) {
+    PatternPiece& piece = pattern.pieces[i];
+    piece.name = options.names[i];
+    if (piece.name.empty()) continue;
+    const Bounds& box = piece.box;
+    constexpr double kLetters = 5;
+    piece.labels.push_back({{(box.min_x + box.max_x) / 2, (box.min_y + box.max_y) / 2},
+                            std::min(kLetters, std::min(box.width(), box.height()) / 5),
+                            piece.name});
+  }
   for (const GrainLine& line : options.grain_lines) {
     if (const auto ends = EndsOf(line, flat, pattern.piece_of)) {
       PatternPiece& piece = pattern.pieces[pattern.piece_of[ends->first]];
@@ -233,7 +235,13 @@ Result<Pattern> MakePattern(const Flattening& flat, const PatternOptions& option
                              {pattern.points[ends->first], pattern.points[ends->second]}});
     }
   }
-  if (options.allowance > 0) CHECK_OK(AddAllowance(flat, options.allowance, pattern));
+  if (options.allowance > 0) CHECK_OK(AddAllowance(flat, options, pattern));
+  if (options.notches) AddNotches(flat, options.allowance, pattern);
+  if (options.sheet_width > 0) {
+    CHECK_OK(PackRoll(options.sheet_width, pattern));
+  } else if (options.allowance > 0) {
+    SetApart(options.allowance, pattern);
+  }
   return pattern;
 }
 

@@ -2,12 +2,14 @@
 // of SVG, DXF and PDF take.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "arap/model/flatten.h"
+#include "core/drawing/allowance.h"
 #include "core/drawing/outline.h"
 
 namespace arap {
@@ -18,6 +20,7 @@ enum class LineKind {
   kSeam,       // where it was cut open
   kAllowance,  // what to cut along when there is an allowance
   kGrain,      // from the first point to the second
+  kNotch,      // across a seam, where its other side has one too
 };
 
 struct PatternLine {
@@ -26,9 +29,17 @@ struct PatternLine {
   std::vector<Complex> points;
 };
 
+// Text that is level wherever its piece goes.
+struct PatternLabel {
+  Complex at;  // its middle
+  double height = 3;
+  std::string text;
+};
+
 struct PatternPiece {
   std::string name;  // of the object or group, where it is known
   std::vector<PatternLine> lines;
+  std::vector<PatternLabel> labels;
   Bounds box;  // round the piece, without its allowance
 };
 
@@ -40,6 +51,8 @@ struct Pattern {
   std::vector<std::uint32_t> piece_of;                 // #U, or kNoPiece
   std::vector<Triangle> triangles;                     // #F, into points
   std::vector<std::array<double, 2>> singular_values;  // #F, or empty
+  // Elements are pieces: "allowance_lost" (it runs into the piece or closes a gap of it) and
+  // "allowance_unchecked" (that cannot be told).
   std::vector<Warning> warnings;
 
   // Round everything that is drawn.
@@ -50,12 +63,21 @@ inline constexpr std::uint32_t kNoPiece = UINT32_MAX;
 
 struct PatternOptions {
   double millimetres_per_unit = 1;
-  double allowance = 0;                    // millimetres, 0: none
-  std::span<const GrainLine> grain_lines;  // those that the surface was flattened with
+  double allowance = 0;                         // millimetres, 0: none
+  std::span<const GrainLine> grain_lines = {};  // those that the surface was flattened with
+  Corners corners = Corners::kMitre;            // of the allowance
+  bool notches = false;                         // pair the sides of seams (AddNotches)
+  double sheet_width = 0;                       // pack into a roll (PackRoll); 0: as they were laid
+  std::span<const std::string> names = {};      // of pieces by chart, which are written on them
 };
 
-// With an allowance, pieces that would come too close are set out in rows; kInvalidOption when an
-// outline crosses itself too often to have one. O(#U log #U) without an allowance.
+// From the first point of a line to its last: left end, tip and right end of an arrow head of a
+// length, at most a third of the line's.
+std::array<Complex, 3> ArrowHead(const PatternLine& line, double length);
+
+// With an allowance, pieces that would come too close are set out in rows. `flat` is finite and its
+// indices are there. kInvalidOption when an outline crosses itself too often to have an allowance,
+// or a piece is too large for the roll. O(#U log #U) without an allowance.
 Result<Pattern> MakePattern(const Flattening& flat, const PatternOptions& options);
 
 // How many digits after the point show the smallest piece to a ten-thousandth of its size: 3 where

@@ -14,17 +14,10 @@ namespace {
 
 constexpr double kMargin = 10;
 
-// Millimetres with at most so many decimals and without a minus before zero.
-std::string Number(double value, int decimals) {
-  std::string text = fmt::format("{:.{}f}", value, decimals);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.ends_with('.')) text.pop_back();
-  return text == "-0" ? "0" : text;
-}
-
-class Page {
+class SheetFrame {
  public:
-  explicit Page(const Pattern& pattern) : bounds_(pattern.Box()), digits_(DigitsFor(pattern)) {
+  explicit SheetFrame(const Pattern& pattern)
+      : bounds_(pattern.Box()), digits_(DigitsFor(pattern)) {
     const double side = std::max(bounds_.width(), bounds_.height());
     scale_ = std::max(1.0, side / 300);
     // In small pieces lines would cover what they are round.
@@ -39,9 +32,12 @@ class Page {
   double stroke() const { return stroke_; }
   int digits() const { return digits_; }
 
+  Complex Seen(Complex p) const {
+    return {p.real() - bounds_.min_x + kMargin, bounds_.max_y - p.imag() + kMargin};
+  }
   std::string Place(Complex p, int digits) const {
-    return Number(p.real() - bounds_.min_x + kMargin, digits) + " " +
-           Number(bounds_.max_y - p.imag() + kMargin, digits);
+    const Complex seen = Seen(p);
+    return SvgNumber(seen.real(), digits) + " " + SvgNumber(seen.imag(), digits);
   }
 
   std::string Path(std::span<const Complex> points, const std::vector<std::uint32_t>& line,
@@ -72,12 +68,12 @@ std::string Group(std::string_view id, std::string_view style, const std::string
 
 std::string Stroke(std::string_view color, double width, std::string_view more = {}) {
   return fmt::format(R"(fill="none" stroke="{}" stroke-width="{}" stroke-linejoin="round"{})",
-                     color, Number(width, 5), more);
+                     color, SvgNumber(width, 5), more);
 }
 
 std::string PathElement(const std::string& data) { return fmt::format("<path d=\"{}\"/>\n", data); }
 
-std::string Triangles(const Pattern& pattern, double range, const Page& page) {
+std::string Triangles(const Pattern& pattern, double range, const SheetFrame& page) {
   std::string out;
   for (const auto& [shade, lines] :
        TrianglesByShade(pattern.triangles, pattern.singular_values, range)) {
@@ -90,25 +86,30 @@ std::string Triangles(const Pattern& pattern, double range, const Page& page) {
   return out;
 }
 
-// A line with an arrow head at its end.
-std::string GrainArrow(std::span<const Complex> line, const Page& page) {
-  const Complex a = line[0], b = line[1];
-  const double length = std::abs(b - a);
-  const Complex back = (a - b) / length * std::min(4 * page.stroke(), length / 3);
-  const std::array<Complex, 3> head{b + back * std::polar(1.0, 0.4), b,
-                                    b + back * std::polar(1.0, -0.4)};
-  return PathElement(page.Path(line, /*closed=*/false)) +
-         PathElement(page.Path(head, /*closed=*/false));
-}
-
 // All lines of a kind.
-std::string Paths(const Pattern& pattern, LineKind kind, const Page& page) {
+std::string Paths(const Pattern& pattern, LineKind kind, const SheetFrame& page) {
   std::string out;
   for (const PatternPiece& piece : pattern.pieces) {
     for (const PatternLine& line : piece.lines) {
       if (line.kind != kind) continue;
-      out += kind == LineKind::kGrain ? GrainArrow(line.points, page)
-                                      : PathElement(page.Path(line.points, line.closed));
+      out += PathElement(page.Path(line.points, line.closed));
+      if (kind != LineKind::kGrain) continue;
+      out += PathElement(page.Path(ArrowHead(line, 4 * page.stroke()), /*closed=*/false));
+    }
+  }
+  return out;
+}
+
+std::string Labels(const Pattern& pattern, const SheetFrame& page) {
+  constexpr double kRise = 0.36;  // of the height, from the middle of capitals to the base line
+  std::string out;
+  for (const PatternPiece& piece : pattern.pieces) {
+    for (const PatternLabel& label : piece.labels) {
+      const Complex at = page.Seen(label.at - Complex(0, kRise * label.height));
+      fmt::format_to(std::back_inserter(out),
+                     "<text x=\"{}\" y=\"{}\" font-size=\"{}\">{}</text>\n",
+                     SvgNumber(at.real(), page.digits()), SvgNumber(at.imag(), page.digits()),
+                     SvgNumber(label.height, 3), SvgEscaped(label.text));
     }
   }
   return out;
@@ -140,8 +141,8 @@ std::string Legend(double range, double top, double scale) {
   const double length = scale < 2 ? 50 : 100;
   const double left = kMargin + width + 10 * scale;
   fmt::format_to(std::back_inserter(out), "<path {} d=\"M{} {}v{}h{}v-{}\"/>\n",
-                 Stroke("#2b2622", 0.4 * scale), Number(left, 3), Number(top, 3),
-                 Number(4 * scale, 3), Number(length, 3), Number(4 * scale, 3));
+                 Stroke("#2b2622", 0.4 * scale), SvgNumber(left, 3), SvgNumber(top, 3),
+                 SvgNumber(4 * scale, 3), SvgNumber(length, 3), SvgNumber(4 * scale, 3));
   out += Text(left, below, size, fmt::format("{} mm", length));
   return out;
 }
@@ -149,14 +150,14 @@ std::string Legend(double range, double top, double scale) {
 }  // namespace
 
 std::string FormatPattern(const Pattern& pattern, const PatternSheet& sheet) {
-  const Page page(pattern);
+  const SheetFrame page(pattern);
   const double s = page.scale(), stroke = page.stroke();
   const double range = StrainRange(LargestStrainPercent(pattern.singular_values));
   std::string body;
   if (sheet.strain) {
-    body +=
-        Group("strain", fmt::format("stroke-width=\"{}\"", Number(0.1 * std::min(1.0, stroke), 5)),
-              Triangles(pattern, range, page));
+    body += Group("strain",
+                  fmt::format("stroke-width=\"{}\"", SvgNumber(0.1 * std::min(1.0, stroke), 5)),
+                  Triangles(pattern, range, page));
   }
   if (sheet.interior) {
     std::string inner;
@@ -168,15 +169,19 @@ std::string FormatPattern(const Pattern& pattern, const PatternSheet& sheet) {
   const std::string allowance = Paths(pattern, LineKind::kAllowance, page);
   body += Group("allowance", Stroke("#2b2622", 0.35 * stroke), allowance);
   // Where there is an allowance, one cuts along that.
-  const std::string dashed = allowance.empty()
-                                 ? std::string()
-                                 : fmt::format(" stroke-dasharray=\"{} {}\"",
-                                               Number(2.5 * stroke, 5), Number(1.5 * stroke, 5));
+  const std::string dashed =
+      allowance.empty() ? std::string()
+                        : fmt::format(" stroke-dasharray=\"{} {}\"", SvgNumber(2.5 * stroke, 5),
+                                      SvgNumber(1.5 * stroke, 5));
   body += Group("outline", Stroke("#2b2622", 0.5 * stroke, dashed),
                 Paths(pattern, LineKind::kOutline, page));
   body +=
       Group("seam", Stroke("#c2410c", 0.6 * stroke, dashed), Paths(pattern, LineKind::kSeam, page));
   body += Group("grain", Stroke("#1d4ed8", 0.4 * stroke), Paths(pattern, LineKind::kGrain, page));
+
+  body += Group("notch", Stroke("#2b2622", 0.35 * stroke), Paths(pattern, LineKind::kNotch, page));
+  body += Group("label", "text-anchor=\"middle\" font-family=\"sans-serif\" fill=\"#2b2622\"",
+                Labels(pattern, page));
 
   std::string ground;
   double width = page.width(), height = page.height();
@@ -194,7 +199,7 @@ std::string FormatPattern(const Pattern& pattern, const PatternSheet& sheet) {
   return fmt::format(
       R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}mm" height="{1}mm" viewBox="0 0 {0} {1}">)"
       "\n{2}{3}</svg>\n",
-      Number(width, page.digits()), Number(height, page.digits()), ground, body);
+      SvgNumber(width, page.digits()), SvgNumber(height, page.digits()), ground, body);
 }
 
 }  // namespace arap

@@ -17,7 +17,7 @@ struct PatternSheet {
 };
 
 // Width, height and view box are in millimetres, so that it prints at true size. Groups by id:
-// strain, interior, outline, seam, grain, allowance; each only when there is something in it.
+// strain, interior, outline, seam, grain, allowance, notch, label; each only when there is something in it.
 // Places are rounded to DigitsFor the pattern, 0.001 mm unless it is small (those of strain and
 // interior to a digit less).
 std::string FormatPattern(const Pattern& pattern, const PatternSheet& sheet);

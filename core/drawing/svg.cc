@@ -111,6 +111,13 @@ std::string PathData(const Lines& lines, bool closed, std::span<const Complex> p
   return out;
 }
 
+std::string SvgNumber(double value, int digits) {
+  std::string text = fmt::format("{:.{}f}", value, digits);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.ends_with('.')) text.pop_back();
+  return text == "-0" ? "0" : text;
+}
+
 std::string SvgEscaped(std::string_view text) {
   std::string out;
   for (const char c : text) {

@@ -47,6 +47,10 @@ std::string PathData(const Lines& lines, bool closed, std::span<const Complex> p
 // The whole file: a view box from the origin, a light ground, then `body`.
 std::string SvgDocument(double width, double height, std::string_view body);
 
+// A number with at most so many digits after the point, without zeros at the end and without a minus
+// before 0. `digits` is 1 at least.
+std::string SvgNumber(double value, int digits);
+
 // `text` with &, <, > and " written as XML wants them.
 std::string SvgEscaped(std::string_view text);
 

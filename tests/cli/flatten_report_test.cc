@@ -8,6 +8,7 @@
 namespace arap::cli {
 namespace {
 
+using testing::_;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -36,8 +37,18 @@ client::FlatSurface FlatTriangle() {
   return answer;
 }
 
+Pattern Drawn(const client::FlatSurface& answer, double millimetres_per_unit = 10) {
+  const Result<Pattern> pattern = MakePattern(answer.flat, {millimetres_per_unit, 0, {}});
+  EXPECT_TRUE(pattern);
+  return pattern ? *pattern : Pattern();
+}
+
+std::string Report(const client::FlatSurface& answer, bool sigma = false) {
+  return JsonReport(kTriangle, answer, Drawn(answer), sigma);
+}
+
 TEST(FlattenReport, HasEverythingThatIsKnown) {
-  const auto report = nlohmann::json::parse(JsonReport(kTriangle, FlatTriangle()));
+  const auto report = nlohmann::json::parse(Report(FlatTriangle()));
   EXPECT_EQ(report["vertices"], 3);
   EXPECT_EQ(report["distortion"]["worst_triangle"], 7);
   ASSERT_EQ(report["charts"].size(), 1u);
@@ -45,6 +56,8 @@ TEST(FlattenReport, HasEverythingThatIsKnown) {
   EXPECT_EQ(chart["boundaries"][0]["positions"], 3);
   EXPECT_EQ(chart["boundaries"][0]["length"], 12);
   EXPECT_EQ(chart["refinements"], 3);
+  EXPECT_EQ(chart["size_mm"], nlohmann::json::parse("[30.0, 40.0]"));
+  EXPECT_EQ(report["sheet_mm"], nlohmann::json::parse("[30.0, 40.0]"));
   EXPECT_EQ(chart["distortion"]["arap_energy"], 0.25);
   EXPECT_EQ(report["cut_edges"], nlohmann::json::parse("[[0, 1], [2, 1]]"));
   EXPECT_EQ(report["auto_cut_count"], 1);
@@ -57,24 +70,44 @@ TEST(FlattenReport, HasEverythingThatIsKnown) {
 TEST(FlattenReport, ListsEveryTriangleOnRequest) {
   client::FlatSurface flat = FlatTriangle();
   flat.flat.singular_values = {{1.5, -0.25}};
-  EXPECT_FALSE(nlohmann::json::parse(JsonReport(kTriangle, flat)).contains("singular_values"));
-  const auto report = nlohmann::json::parse(JsonReport(kTriangle, flat, true));
+  EXPECT_FALSE(nlohmann::json::parse(Report(flat)).contains("singular_values"));
+  const auto report = nlohmann::json::parse(Report(flat, true));
   EXPECT_EQ(report["singular_values"], nlohmann::json::parse("[[1.5, -0.25]]"));
 }
 
 TEST(FlattenReport, IsAFileOfSeams) {
-  const auto seams = ParseSeams(JsonReport(kTriangle, FlatTriangle()), "report.json", 3);
+  const auto seams = ParseSeams(Report(FlatTriangle()), "report.json", 3);
   ASSERT_TRUE(seams) << seams.error().message;
   EXPECT_THAT(*seams, ElementsAre(ElementsAre(0, 1), ElementsAre(2, 1)));
 }
 
-TEST(FlattenReport, SummaryTellsOfCutsAndOverlaps) {
-  Flattening flat = FlatTriangle().flat;
-  EXPECT_THAT(Summary(kTriangle, flat).back(),
-              HasSubstr("1 piece, 2 edges cut, 1 of them automatically; the outline overlaps"));
-  flat.cuts.clear();
-  flat.overlaps = false;
-  EXPECT_EQ(Summary(kTriangle, flat).size(), 3u);
+TEST(FlattenReport, SummaryTellsOfCutsOverlapsAndSizes) {
+  client::FlatSurface answer = FlatTriangle();
+  const auto lines = [&] { return Summary(kTriangle, answer.flat, Drawn(answer)); };
+  EXPECT_THAT(
+      lines(),
+      ElementsAre(
+          _, _, _,
+          HasSubstr("1 piece, 2 edges cut, 1 of them automatically; the outline overlaps itself"),
+          "piece 1: 30.000 × 40.000 mm", "sheet: 30.000 × 40.000 mm"));
+  answer.flat.cuts.clear();
+  answer.flat.overlaps = false;
+  EXPECT_EQ(lines().size(), 5u);
+}
+
+TEST(FlattenReport, UnlikelySizesNameTheUnit) {
+  const client::FlatSurface answer = FlatTriangle();
+  for (const double likely : {1.3, 10.0, 2400.0}) {
+    EXPECT_TRUE(SizeWarnings(Drawn(answer, likely)).empty()) << likely;
+  }
+  for (const double unlikely : {0.001, 1.2, 2600.0}) {
+    const std::vector<Warning> warnings = SizeWarnings(Drawn(answer, unlikely));
+    ASSERT_EQ(warnings.size(), 1u) << unlikely;
+    EXPECT_EQ(warnings[0].count, 1u);
+    EXPECT_THAT(warnings[0].elements, ElementsAre(0));
+    EXPECT_THAT(warnings[0].message, HasSubstr("Piece 1 is "));
+    EXPECT_THAT(warnings[0].message, HasSubstr("--unit"));
+  }
 }
 
 }  // namespace

@@ -1,45 +1,48 @@
 // arapctl flatten: a surface laid flat, true to size.
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
+#include "client/cli/commands/draw_flat.h"
 #include "client/cli/commands/flatten_flags.h"
 #include "client/cli/commands/flatten_report.h"
 #include "client/cli/commands/lay_flat.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
 #include "core/drawing/comparison.h"
-#include "core/drawing/dxf.h"
 #include "core/drawing/pattern.h"
-#include "core/drawing/pattern_sheet.h"
 #include "core/files/mesh_file.h"
 #include "core/files/text_file.h"
 
 namespace arap::cli {
 namespace {
 
-// Writes `text` unless no name is given.
-Status WriteWanted(const std::string& path, const std::string& text) {
-  return path.empty() ? Status() : WriteTextFile(path, text);
-}
-
 Status WriteLayout(const FlattenFlags& flags, const std::vector<GrainLine>& grain,
-                   const SurfaceMesh& mesh, const client::FlatSurface& answer) {
+                   const SurfaceMesh& mesh, client::FlatSurface answer) {
   const Flattening& flat = answer.flat;
-  const std::vector<std::string> summary = Summary(mesh, flat);
+  const DrawingFlags& drawing = flags.drawing;
+  PatternOptions options;
+  options.millimetres_per_unit = drawing.millimetres_per_unit;
+  options.allowance = drawing.allowance;
+  options.corners = drawing.corners;
+  options.grain_lines = grain;
+  options.notches = drawing.notches;
+  options.sheet_width = drawing.sheet_width;
+  TRY(const Pattern pattern, MakePattern(flat, options));
+  for (const auto& more : {pattern.warnings, SizeWarnings(pattern)}) {
+    answer.flat.warnings.insert(answer.flat.warnings.end(), more.begin(), more.end());
+  }
+  PrintWarnings(flat.warnings);
+  const std::vector<std::string> summary = Summary(mesh, flat, pattern);
   for (const std::string& line : summary) fmt::print("{}\n", line);
   if (!flags.out.empty()) {
     CHECK_OK(WriteTextFile(flags.out, FormatObj(mesh, flat.uv, flat.corner_uv)));
   }
-  if (!flags.svg.empty() || !flags.dxf.empty()) {
-    TRY(const Pattern pattern,
-        MakePattern(flat, {flags.millimetres_per_unit, flags.allowance, grain}));
-    const PatternSheet sheet{!flags.plain, flags.interior, summary};
-    CHECK_OK(WriteWanted(flags.svg, FormatPattern(pattern, sheet)));
-    CHECK_OK(WriteWanted(flags.dxf, FormatDxf(pattern)));
-  }
-  return WriteWanted(flags.report, JsonReport(mesh, answer, flags.sigma));
+  CHECK_OK(WriteDrawings(drawing, pattern, summary));
+  if (flags.report.empty()) return {};
+  return WriteTextFile(flags.report, JsonReport(mesh, answer, pattern, flags.sigma));
 }
 
 Status Compare(const FlattenFlags& flags, const client::FlattenQuery& query,
@@ -63,17 +66,17 @@ Status Flatten(const FlattenFlags& flags) {
       ReadQuery(flags, mesh.vertices.size(), mesh.triangles.size()));
   TRY(const Connection connection, Connection::Open(flags.server));
 
-  const bool layout =
-      !(flags.out.empty() && flags.svg.empty() && flags.dxf.empty() && flags.report.empty());
+  const DrawingFlags& drawing = flags.drawing;
+  const bool layout = !(flags.out.empty() && drawing.svg.empty() && drawing.dxf.empty() &&
+                        drawing.pdf.empty() && flags.report.empty());
   if (layout) {
     const std::size_t slash = flags.job.find('/');
-    TRY(const client::FlatSurface answer,
+    TRY(client::FlatSurface answer,
         flags.job.empty()
             ? FlattenWaiting(connection.client(), mesh, query, flags.timeout.value(), "flattening")
             : FlattenAsJob(connection.client(), mesh, query, flags.timeout.value(),
                            flags.job.substr(0, slash), flags.job.substr(slash + 1)));
-    PrintWarnings(answer.flat.warnings);
-    CHECK_OK(WriteLayout(flags, query.options.grain_lines, mesh, answer));
+    CHECK_OK(WriteLayout(flags, query.options.grain_lines, mesh, std::move(answer)));
   }
   return flags.compare.empty() ? Status() : Compare(flags, query, mesh, connection.client());
 }

@@ -11,6 +11,7 @@
 #include "client/cli/commands/flatten_inputs.h"
 #include "core/base/names.h"
 #include "core/base/try.h"
+#include "core/drawing/paper.h"
 #include "core/files/text_file.h"
 
 namespace arap::cli {
@@ -19,11 +20,14 @@ namespace {
 void AddOutputs(CLI::App& command, FlattenFlags& flags) {
   auto* const outputs = command.add_option_group("Output", "what to write, at least one");
   AddOutput(*outputs, "--out", flags.out, "the surface with flat positions as vt", "FILE.obj");
-  AddOutput(*outputs, "--svg", flags.svg,
+  AddOutput(*outputs, "--svg", flags.drawing.svg,
             "the pieces at true size, each triangle coloured by its larger principal strain",
             "FILE.svg");
-  AddOutput(*outputs, "--dxf", flags.dxf,
-            "the pieces in millimetres on the layers OUTLINE, SEAM, GRAIN and CUT", "FILE.dxf");
+  AddOutput(*outputs, "--dxf", flags.drawing.dxf,
+            "the pieces in millimetres on the layers OUTLINE, SEAM, CUT, GRAIN, NOTCH and LABEL",
+            "FILE.dxf");
+  AddOutput(*outputs, "--pdf", flags.drawing.pdf,
+            "the lines of the pieces at true size, on one page or on those of --paper", "FILE.pdf");
   auto* const report = AddOutput(*outputs, "--report", flags.report,
                                  "the measures of distortion and what was cut", "FILE.json");
   outputs
@@ -38,19 +42,48 @@ void AddOutputs(CLI::App& command, FlattenFlags& flags) {
 }
 
 void AddDrawing(CLI::App& command, FlattenFlags& flags) {
-  auto* const drawing = command.add_option_group("Drawing", "how --svg and --dxf draw");
-  AddChoice<double>(*drawing, "--unit", flags.millimetres_per_unit,
+  auto* const drawing = command.add_option_group("Drawing", "how --svg, --dxf and --pdf draw");
+  AddChoice<double>(*drawing, "--unit", flags.drawing.millimetres_per_unit,
                     {{"mm", 1}, {"cm", 10}, {"m", 1000}, {"in", 25.4}},
                     "what a unit of the surface is; default mm");
   drawing
       ->add_option(
-          "--allowance", flags.allowance,
+          "--allowance", flags.drawing.allowance,
           "seam allowance round the pieces, in millimetres; pieces that it brings together "
           "are set apart")
       ->check(Positive())
       ->option_text("MM");
-  drawing->add_flag("--interior", flags.interior, "draw the edges inside too; SVG only");
-  drawing->add_flag("--plain", flags.plain, "nothing besides the lines; SVG only");
+  AddChoice<Corners>(
+      *drawing, "--corners", flags.drawing.corners,
+      {{"mitre", Corners::kMitre}, {"square", Corners::kSquare}, {"round", Corners::kRound}},
+      "of the allowance: until its sides meet (at twice its width at most), cut off at its width, "
+      "or an arc; default mitre");
+  drawing->add_flag("--notches", flags.drawing.notches,
+                    "pair the two sides of every seam by short lines with a number");
+  drawing
+      ->add_option("--sheet-width", flags.drawing.sheet_width,
+                   "pack the pieces into a roll of this width, in millimetres, which runs along u; "
+                   "pieces with a --grain keep their direction")
+      ->check(Positive())
+      ->option_text("MM");
+  drawing
+      ->add_option("--paper", flags.drawing.paper,
+                   "pages to print and join, for --pdf and --svg (a file per page): A0 to A5, "
+                   "letter, legal, tabloid or WIDTHxHEIGHT in millimetres; lines only")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            const Result<Paper> paper = ParsePaper(text);
+            return paper ? std::string() : paper.error().message;
+          },
+          ""))
+      ->option_text("PAPER");
+  drawing
+      ->add_option("--overlap", flags.drawing.overlap,
+                   "what pages share with their neighbours, in millimetres; default 10")
+      ->check(Between(0, 1000))
+      ->option_text("MM");
+  drawing->add_flag("--interior", flags.drawing.interior, "draw the edges inside too; SVG only");
+  drawing->add_flag("--plain", flags.drawing.plain, "nothing besides the lines; SVG only");
 }
 
 void AddSurfaceFlags(CLI::App& command, FlattenFlags& flags) {

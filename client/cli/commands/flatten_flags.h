@@ -12,6 +12,7 @@
 #include "arap/client/flatten.h"
 #include "client/cli/commands/commands.h"
 #include "client/cli/connect/connection.h"
+#include "core/drawing/allowance.h"
 
 namespace arap::cli {
 
@@ -31,19 +32,30 @@ struct MethodFlags {
   Result<FlattenOptions> Options() const;
 };
 
+// What is drawn and how.
+struct DrawingFlags {
+  std::string svg, dxf, pdf;  // files to write; empty: not wanted
+  double millimetres_per_unit = 1;
+  double allowance = 0;
+  Corners corners = Corners::kMitre;
+  bool notches = false;
+  double sheet_width = 0;  // 0: as the pieces were laid
+  bool interior = false;
+  bool plain = false;
+  std::string paper;  // as ParsePaper takes it; empty: the sheet in one piece
+  double overlap = 10;
+};
+
 struct FlattenFlags {
   ServerFlags server;
   std::string surface;
-  // Files to write; empty: not wanted. At least one is.
-  std::string out, svg, dxf, report, compare;
+  // Files to write; empty: not wanted. At least one is, or one of `drawing`.
+  std::string out, report, compare;
+  DrawingFlags drawing;
   // Files to read; empty: none.
   std::string seams, pins, rigidity;
   std::vector<std::string> grain;
-  double millimetres_per_unit = 1;
-  double allowance = 0;
   bool sigma = false;  // every triangle in the report
-  bool interior = false;
-  bool plain = false;
   Timeout timeout;
   std::string job;  // SESSION/JOB; empty: a call
   MethodFlags method;

@@ -1,9 +1,11 @@
 #include "client/cli/commands/flatten_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -39,6 +41,18 @@ double LoopLength(const std::vector<std::uint32_t>& loop, const std::vector<Comp
   return length;
 }
 
+Json SizeJson(const Bounds& box) { return {box.width(), box.height()}; }
+
+std::string SizeText(const Bounds& box) {
+  return fmt::format("{:.3f} × {:.3f} mm", box.width(), box.height());
+}
+
+// "piece 2", counted from 1, with its name where it has one.
+std::string Named(const Pattern& pattern, std::size_t i) {
+  const std::string& name = pattern.pieces[i].name;
+  return fmt::format("piece {}{}", i + 1, name.empty() ? name : " (" + Printable(name) + ")");
+}
+
 Json ChartJson(const FlatChart& chart, const Flattening& flat) {
   Json boundaries = Json::array();
   for (const auto& loop : chart.loops) {
@@ -63,7 +77,8 @@ std::vector<std::string> Measures(const Distortion& d) {
 
 }  // namespace
 
-std::string JsonReport(const SurfaceMesh& mesh, const client::FlatSurface& answer, bool sigma) {
+std::string JsonReport(const SurfaceMesh& mesh, const client::FlatSurface& answer,
+                       const Pattern& pattern, bool sigma) {
   const Flattening& flat = answer.flat;
   Json warnings = Json::array();
   for (const Warning& warning : flat.warnings) {
@@ -73,7 +88,13 @@ std::string JsonReport(const SurfaceMesh& mesh, const client::FlatSurface& answe
                         {"message", warning.message}});
   }
   Json charts = Json::array();
-  for (const FlatChart& chart : flat.charts) charts.push_back(ChartJson(chart, flat));
+  for (std::size_t c = 0; c < flat.charts.size(); ++c) {
+    Json chart = ChartJson(flat.charts[c], flat);
+    const PatternPiece& piece = pattern.pieces[c];
+    if (!piece.name.empty()) chart["name"] = piece.name;
+    chart["size_mm"] = SizeJson(piece.box);
+    charts.push_back(std::move(chart));
+  }
   Json cuts = Json::array();
   for (const auto& [from, to] : flat.cuts) cuts.push_back({from, to});
   Json anchors = Json::array();
@@ -87,6 +108,7 @@ std::string JsonReport(const SurfaceMesh& mesh, const client::FlatSurface& answe
             {"flat_positions", flat.uv.size()},
             {"distortion", DistortionJson(flat.distortion)},
             {"boundary_overlaps", flat.overlaps},
+            {"sheet_mm", SizeJson(pattern.Box())},
             {"anchor_vertices", anchors},
             {"charts", charts},
             {"cut_edges", cuts},
@@ -103,7 +125,8 @@ std::string JsonReport(const SurfaceMesh& mesh, const client::FlatSurface& answe
   return JsonText(json);
 }
 
-std::vector<std::string> Summary(const SurfaceMesh& mesh, const Flattening& flat) {
+std::vector<std::string> Summary(const SurfaceMesh& mesh, const Flattening& flat,
+                                 const Pattern& pattern) {
   std::vector<std::string> lines{fmt::format(
       "{} vertices, {} triangles, {} flipped; area {:.4f} of the surface's", mesh.vertices.size(),
       mesh.triangles.size(), flat.distortion.flipped, flat.distortion.area_ratio)};
@@ -115,7 +138,36 @@ std::vector<std::string> Summary(const SurfaceMesh& mesh, const Flattening& flat
                                 flat.auto_cuts,
                                 flat.overlaps ? "; the outline overlaps itself" : ""));
   }
+  constexpr std::size_t kListed = 8;
+  const std::size_t pieces = pattern.pieces.size();
+  for (std::size_t i = 0; i < std::min(pieces, kListed); ++i) {
+    lines.push_back(Named(pattern, i) + ": " + SizeText(pattern.pieces[i].box));
+  }
+  if (pieces > kListed) lines.push_back(fmt::format("and {} more pieces", pieces - kListed));
+  lines.push_back("sheet: " + SizeText(pattern.Box()));
   return lines;
+}
+
+std::vector<Warning> SizeWarnings(const Pattern& pattern) {
+  constexpr double kShortest = 5, kLongest = 10'000;
+  constexpr std::size_t kNamed = 10;
+  Warning warning{"unlikely_size", 0, {}, {}};
+  for (std::size_t i = 0; i < pattern.pieces.size(); ++i) {
+    const Bounds& box = pattern.pieces[i].box;
+    const double longer = std::max(box.width(), box.height());
+    if (longer >= kShortest && longer <= kLongest) continue;
+    if (warning.count == 0) {
+      warning.message = fmt::format("{} is {}", Named(pattern, i), SizeText(box));
+      warning.message.front() = 'P';
+    }
+    if (++warning.count <= kNamed) warning.elements.push_back(static_cast<std::uint32_t>(i));
+  }
+  if (warning.count == 0) return {};
+  if (warning.count > 1) {
+    warning.message += fmt::format(", and {} more pieces are as unlikely", warning.count - 1);
+  }
+  warning.message += "; --unit says whether the surface is in mm, cm, m or in";
+  return {warning};
 }
 
 std::string FormatTable(const std::vector<ComparisonPanel>& panels) {

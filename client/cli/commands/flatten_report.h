@@ -6,16 +6,22 @@
 
 #include "arap/client/flatten.h"
 #include "core/drawing/comparison.h"
+#include "core/drawing/pattern.h"
 
 namespace arap::cli {
 
-// A JSON object: counts, every measure of distortion of the whole and of each chart, anchors, cuts,
-// warnings and times; with `sigma` also "singular_values", [s1, s2] of every triangle, s2 negative
-// where it is flipped, [0, 0] where it was left out. Indices count from 0.
+// A JSON object: counts, every measure of distortion of the whole and of each chart, the sizes of
+// pieces and sheet in millimetres as `pattern` has them, anchors, cuts, warnings and times; with
+// `sigma` also "singular_values", [s1, s2] of every triangle, s2 negative where it is flipped,
+// [0, 0] where it was left out. Indices count from 0.
 std::string JsonReport(const SurfaceMesh& mesh, const client::FlatSurface& flat,
-                       bool sigma = false);
+                       const Pattern& pattern, bool sigma = false);
 // The same in a few lines for people.
-std::vector<std::string> Summary(const SurfaceMesh& mesh, const Flattening& flat);
+std::vector<std::string> Summary(const SurfaceMesh& mesh, const Flattening& flat,
+                                 const Pattern& pattern);
+
+// Pieces shorter than 5 mm or longer than 10 m, which another --unit would make likelier.
+std::vector<Warning> SizeWarnings(const Pattern& pattern);
 
 // A line for people with the measures of each panel.
 std::string FormatTable(const std::vector<ComparisonPanel>& panels);

@@ -47,12 +47,6 @@ Pattern Made(const Flattening& flat, const PatternOptions& options) {
   return ValueOf(MakePattern(flat, options));
 }
 
-// With all that a drawing may cost.
-std::vector<Ring> Offset(const std::vector<Ring>& rings, double width) {
-  BorderBudget budget;
-  return ValueOf(OffsetOutwards(rings, width, budget));
-}
-
 using Polyline = std::vector<Complex>;
 
 double Length(const Polyline& line, bool closed) {
@@ -227,44 +221,8 @@ TEST(Pattern, PiecesThatTheAllowanceBringsTogetherAreSetApart) {
   EXPECT_NEAR(close.pieces[1].box.min_x, close.points[3].real(), 1e-12);
 }
 
-TEST(Allowance, OfARectangleIsALargerOne) {
-  const auto rings = Offset({{{0, 0}, {100, 0}, {100, 50}, {0, 50}}}, 10);
-  ASSERT_EQ(rings.size(), 1u);
-  EXPECT_THAT(rings[0], ElementsAre(Complex(110, 60), Complex(-10, 60), Complex(-10, -10),
-                                    Complex(110, -10)));
-}
-
-TEST(Allowance, HolesShrinkAndVanish) {
-  const Ring outer{{0, 0}, {100, 0}, {100, 100}, {0, 100}};
-  EXPECT_THAT(Offset({outer, {{30, 30}, {30, 70}, {70, 70}, {70, 30}}}, 10),
-              ElementsAre(testing::_, ElementsAre(Complex(60, 60), Complex(60, 40), Complex(40, 40),
-                                                  Complex(40, 60))));
-  EXPECT_EQ(Offset({outer, {{40, 30}, {40, 70}, {60, 70}, {60, 30}}}, 10).size(), 1u);
-}
-
-TEST(Allowance, FillsANarrowSlotWithoutCrossingItself) {
-  const auto rings = Offset(
-      {{{0, 0}, {100, 0}, {100, 100}, {55, 100}, {55, 20}, {45, 20}, {45, 100}, {0, 100}}}, 10);
-  ASSERT_EQ(rings.size(), 1u);
-  EXPECT_EQ(rings[0].size(), 4u);  // a square
-}
-
-TEST(Allowance, OfAFineOutlineCostsLittle) {
-  constexpr std::size_t kPoints = 20'000;
-  constexpr double kRadius = 300, kWidth = 100;
-  Ring circle;
-  for (std::size_t i = 0; i < kPoints; ++i) {
-    circle.push_back(std::polar(kRadius, 2 * std::numbers::pi * static_cast<double>(i) / kPoints));
-  }
-  BorderBudget budget;
-  const std::vector<Ring> rings = ValueOf(OffsetOutwards({circle}, kWidth, budget));
-  ASSERT_EQ(rings.size(), 1u);
-  EXPECT_NEAR(Area(rings[0]), std::numbers::pi * std::pow(kRadius + kWidth, 2), 10);
-  EXPECT_LT(BorderBudget().left - budget.left, 100 * kPoints);
-}
-
 // The outline of a layout that is folded over and over, or of a server that lies.
-TEST(Allowance, OfAScribbleIsRefusedBeforeTheWork) {
+TEST(Pattern, TheAllowanceOfAScribbleIsRefusedBeforeTheWork) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(0, 500);
   Flattening flat = CutSquare();
@@ -278,47 +236,35 @@ TEST(Allowance, OfAScribbleIsRefusedBeforeTheWork) {
   EXPECT_EQ(refused.error().kind, FaultKind::kInvalidOption);
   EXPECT_EQ(refused.error().field, "allowance");
   EXPECT_TRUE(MakePattern(flat, {1, 0, {}}));
-  // All pieces of a drawing share what it may cost.
-  BorderBudget spent{3};
-  EXPECT_FALSE(OffsetOutwards({{{0, 0}, {100, 0}, {100, 50}, {0, 50}}}, 10, spent));
 }
 
-// An eight: what is gone round the other way keeps an allowance too.
-TEST(Allowance, OfAnOutlineThatCrossesItselfIsDrawn) {
-  const auto rings = Offset({{{0, 0}, {100, 100}, {100, 0}, {0, 100}}}, 5);
-  Bounds box;
-  for (const Ring& ring : rings) box.Add(ring);
-  EXPECT_GE(box.width(), 100);
-  EXPECT_LE(box.width(), 120);
-}
-
-// Of every point of the border the distance to the outline is the width, at most the limit of the
-// corners more.
-TEST(Allowance, KeepsItsWidthRoundASharpAndAHollowCorner) {
-  const Ring arrow{{0, 0}, {60, -8}, {20, 0}, {60, 8}};
-  constexpr double kWidth = 5;
-  const auto rings = Offset({arrow}, kWidth);
-  ASSERT_EQ(rings.size(), 1u);
-  const Ring& border = rings[0];
-  const auto distance = [&](Complex p) {
-    double least = INFINITY;
-    for (std::size_t i = 0; i < arrow.size(); ++i) {
-      const Complex a = arrow[i], side = arrow[(i + 1) % arrow.size()] - a;
-      const double along = (std::conj(side) * (p - a)).real() / std::norm(side);
-      least = std::min(least, std::abs(p - a - std::clamp(along, 0.0, 1.0) * side));
-    }
-    return least;
-  };
-  const std::size_t n = border.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    for (int k = 0; k < 20; ++k) {
-      const double t = k / 20.0;
-      const Complex p = border[i] + t * (border[(i + 1) % n] - border[i]);
-      EXPECT_GE(distance(p), kWidth - 0.01) << p;
-      // The end of a cut corner lies beside the axis that the limit is measured on.
-      EXPECT_LE(distance(p), 2.3 * kWidth) << p;
-    }
+// The second piece is a C with a gap of 1 mm.
+TEST(Pattern, AnAllowanceThatClosesAGapIsToldOf) {
+  Flattening flat = CutSquare(100);
+  flat.charts[1].loops = {{}};
+  for (const Complex p : std::vector<Complex>{{200, 0},
+                                              {260, 0},
+                                              {260, 29},
+                                              {240, 29},
+                                              {240, 20},
+                                              {220, 20},
+                                              {220, 40},
+                                              {240, 40},
+                                              {240, 30},
+                                              {260, 30},
+                                              {260, 60},
+                                              {200, 60}}) {
+    flat.charts[1].loops[0].push_back(static_cast<std::uint32_t>(flat.uv.size()));
+    flat.uv.push_back(p);
+    flat.source.push_back(0);
   }
+  const Pattern pattern = Made(flat, {1, 3, {}});
+  ASSERT_EQ(pattern.warnings.size(), 1u);
+  EXPECT_EQ(pattern.warnings[0].kind, "allowance_lost");
+  EXPECT_THAT(pattern.warnings[0].elements, ElementsAre(1));
+  EXPECT_THAT(pattern.warnings[0].message,
+              HasSubstr("piece 2 runs into the piece or closes a gap"));
+  EXPECT_TRUE(Made(flat, {1, 0.4, {}}).warnings.empty());
 }
 
 TEST(Dxf, UnitLayersAndLengthsReadBack) {
@@ -327,7 +273,7 @@ TEST(Dxf, UnitLayersAndLengthsReadBack) {
   const DxfFile file = ReadDxf(FormatDxf(pattern));
   EXPECT_EQ(file.header.at("$INSUNITS"), "4");
   EXPECT_EQ(file.header.at("$MEASUREMENT"), "1");
-  EXPECT_THAT(file.layers, ElementsAre("0", "OUTLINE", "SEAM", "CUT", "GRAIN"));
+  EXPECT_THAT(file.layers, ElementsAre("0", "OUTLINE", "SEAM", "CUT", "GRAIN", "NOTCH", "LABEL"));
   std::map<std::string, std::vector<DxfEntity>> by_layer;
   for (const DxfEntity& entity : file.entities) by_layer[entity.layer].push_back(entity);
   const double diagonal = std::hypot(40, 40);
@@ -348,6 +294,20 @@ TEST(Dxf, UnitLayersAndLengthsReadBack) {
     EXPECT_TRUE(cut.closed);
     EXPECT_GT(Area(cut.points), 800 + 5 * (80 + diagonal));
   }
+}
+
+TEST(Pattern, NamesAreWrittenOnThePieces) {
+  const std::vector<std::string> names{"left & right", "ärmel\n∞"};
+  PatternOptions options;
+  options.millimetres_per_unit = 10;
+  options.names = names;
+  const Pattern pattern = Made(CutSquare(), options);
+  EXPECT_EQ(pattern.pieces[1].name, names[1]);
+  EXPECT_THAT(FormatPattern(pattern, {false, false, {}}),
+              HasSubstr("y=\"31.8\" font-size=\"5\">left &amp; right</text>"));
+  const std::string dxf = FormatDxf(pattern);
+  EXPECT_THAT(dxf, HasSubstr("\nleft & right\n"));
+  EXPECT_THAT(dxf, HasSubstr("\n\\U+00E4rmel?\\U+221E\n"));
 }
 
 TEST(PatternSheet, IsInMillimetres) {

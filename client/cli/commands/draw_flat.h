@@ -1,0 +1,19 @@
+// The drawings of flatten: which files, and what is in them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "arap/base/result.h"
+#include "client/cli/commands/flatten_flags.h"
+#include "core/drawing/pattern.h"
+
+namespace arap::cli {
+
+// Writes what --svg, --dxf and --pdf ask for. With --paper an SVG is a file per page: "a.svg" is
+// a-cover.svg, a-1.svg, a-2.svg, … `caption` goes under the colours. kInvalidOption for what paper
+// or PDF cannot hold; kInternal with the path when a file cannot be written.
+Status WriteDrawings(const DrawingFlags& flags, const Pattern& pattern,
+                     const std::vector<std::string>& caption);
+
+}  // namespace arap::cli
