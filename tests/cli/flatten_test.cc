@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -150,6 +151,52 @@ TEST_F(FlattenCommand, DrawsAtTrueSizeAlongTheGrain) {
                "1," + std::to_string(kColumns) + ",90", "--svg", Path("b.svg")});
   ASSERT_EQ(upright.code, 0) << upright.err;
   EXPECT_THAT(Slurp(Path("b.svg")), HasSubstr("width=\"100mm\" height=\"260mm\""));
+}
+
+TEST_F(FlattenCommand, SaysHowLargeItIs) {
+  Put("rolled.obj", FormatObj(RolledSheet()));
+  const auto flatten = [&](const char* unit) {
+    return Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--unit", unit, "--report",
+                    Path("report.json")});
+  };
+  // On its smallest rectangle, the longer side along u.
+  const Outcome millimetres = flatten("mm");
+  ASSERT_EQ(millimetres.code, 0) << millimetres.err;
+  EXPECT_THAT(millimetres.out, HasSubstr("piece 1: 24.000 × 8.000 mm\nsheet: 24.000 × 8.000 mm"));
+  EXPECT_THAT(millimetres.err, testing::Not(HasSubstr("--unit")));
+  EXPECT_NEAR(Report()["charts"][0]["size_mm"][0].get<double>(), 24, 1e-6);
+  EXPECT_NEAR(Report()["sheet_mm"][1].get<double>(), 8, 1e-6);
+  const Outcome metres = flatten("m");
+  ASSERT_EQ(metres.code, 0) << metres.err;
+  EXPECT_THAT(metres.err, HasSubstr("Piece 1 is 24000.000 × 8000.000 mm; --unit says"));
+  EXPECT_EQ(Report()["warnings"][0]["kind"], "unlikely_size");
+}
+
+TEST_F(FlattenCommand, DrawsOnPagesAndRolls) {
+  Put("rolled.obj", FormatObj(RolledSheet()));
+  // 240 × 80 mm, on two pages that are upright or one on its side.
+  const Outcome pages = Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--unit", "cm",
+                                 "--paper", "A4", "--pdf", Path("a.pdf"), "--svg", Path("a.svg")});
+  ASSERT_EQ(pages.code, 0) << pages.err;
+  EXPECT_TRUE(Slurp(Path("a.pdf")).starts_with("%PDF"));
+  EXPECT_THAT(Slurp(Path("a-cover.svg")), HasSubstr("Sheet of 240.0 × 80.0 mm"));
+  EXPECT_THAT(Slurp(Path("a-1.svg")), HasSubstr("width=\"297mm\" height=\"210mm\""));
+  // Along the roll or across it.
+  for (const auto& [width, size] :
+       {std::pair("100", "240.000 × 80.000 mm"), std::pair("300", "80.000 × 240.000 mm")}) {
+    const Outcome roll = Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--unit", "cm",
+                                  "--sheet-width", width, "--dxf", Path("a.dxf")});
+    ASSERT_EQ(roll.code, 0) << roll.err;
+    EXPECT_THAT(roll.out, HasSubstr(std::string("sheet: ") + size));
+  }
+  const Outcome narrow = Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--unit", "cm",
+                                  "--sheet-width", "70", "--dxf", Path("b.dxf")});
+  EXPECT_EQ(narrow.code, 1);
+  EXPECT_THAT(narrow.err, HasSubstr("Piece 1 needs 80.0 mm across the roll"));
+  const Outcome unknown =
+      Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--paper", "A9", "--pdf", Path("b.pdf")});
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("A0 to A5, letter"));
 }
 
 TEST_F(FlattenCommand, HoldsPins) {

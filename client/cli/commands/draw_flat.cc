@@ -32,26 +32,21 @@ Status WriteSvgPages(const std::string& path, const Pattern& pattern,
 
 Status WriteDrawings(const DrawingFlags& flags, const Pattern& pattern,
                      const std::vector<std::string>& caption) {
+  // What can be refused is made before anything is written.
   std::vector<Page> pages;
   if (!flags.paper.empty()) {
     TRY(const Paper paper, ParsePaper(flags.paper));
     TRY(pages, TilePages(pattern, paper, flags.overlap));
   }
-  if (!flags.svg.empty()) {
-    if (flags.paper.empty()) {
-      const PatternSheet sheet{!flags.plain, flags.interior, caption};
-      CHECK_OK(WriteTextFile(flags.svg, FormatPattern(pattern, sheet)));
-    } else {
-      CHECK_OK(WriteSvgPages(flags.svg, pattern, pages));
-    }
+  if (!flags.pdf.empty()) {
+    TRY(const std::string pdf,
+        FormatPdf(pages.empty() ? std::vector<Page>{SheetPage(pattern)} : pages));
+    CHECK_OK(WriteTextFile(flags.pdf, pdf));
   }
   if (!flags.dxf.empty()) CHECK_OK(WriteTextFile(flags.dxf, FormatDxf(pattern)));
-  if (!flags.pdf.empty()) {
-    if (pages.empty()) pages.push_back(SheetPage(pattern));
-    TRY(const std::string bytes, FormatPdf(pages));
-    CHECK_OK(WriteTextFile(flags.pdf, bytes));
-  }
-  return {};
+  if (flags.svg.empty()) return {};
+  if (!pages.empty()) return WriteSvgPages(flags.svg, pattern, pages);
+  return WriteTextFile(flags.svg, FormatPattern(pattern, {!flags.plain, flags.interior, caption}));
 }
 
 }  // namespace arap::cli

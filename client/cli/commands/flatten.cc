@@ -37,10 +37,10 @@ Status WriteLayout(const FlattenFlags& flags, const std::vector<GrainLine>& grai
   PrintWarnings(flat.warnings);
   const std::vector<std::string> summary = Summary(mesh, flat, pattern);
   for (const std::string& line : summary) fmt::print("{}\n", line);
+  CHECK_OK(WriteDrawings(drawing, pattern, summary));
   if (!flags.out.empty()) {
     CHECK_OK(WriteTextFile(flags.out, FormatObj(mesh, flat.uv, flat.corner_uv)));
   }
-  CHECK_OK(WriteDrawings(drawing, pattern, summary));
   if (flags.report.empty()) return {};
   return WriteTextFile(flags.report, JsonReport(mesh, answer, pattern, flags.sigma));
 }
