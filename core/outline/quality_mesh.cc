@@ -24,6 +24,7 @@
 #include "core/base/cpu_timer.h"
 #include "core/base/plane.h"
 #include "core/base/try.h"
+#include "core/outline/asked.h"
 #include "core/outline/smooth.h"
 
 namespace arap {
@@ -337,51 +338,11 @@ Result<QualityMesh> Finish(Draft draft, std::size_t pieces) {
   return result;
 }
 
-std::size_t PointsOf(std::span<const Outline> outlines) {
-  std::size_t points = 0;
-  for (const Outline& outline : outlines) points += outline.size();
-  return points;
-}
-
-Status Check(std::span<const Outline> outlines, std::size_t vertices) {
-  if (vertices < 1 || vertices > kMaxAskedVertices) {
-    return Fail(Fault(FaultKind::kInvalidOption,
-                      fmt::format("A mesh of {} vertices was asked for: from 1 to {} can be made.",
-                                  vertices, kMaxAskedVertices))
-                    .Detail("limit", kMaxAskedVertices));
-  }
-  for (std::size_t i = 0; i < outlines.size(); ++i) {
-    const auto id = static_cast<std::uint32_t>(i);
-    if (outlines[i].size() < 3) {
-      return Fail(Fault(FaultKind::kInvalidOption,
-                        fmt::format("Outline {} has {} points: at least 3 bound a region.", i,
-                                    outlines[i].size()))
-                      .Element(id));
-    }
-    for (const Complex p : outlines[i]) {
-      constexpr double kLargest = 1e15;  // their products are finite, and differences have digits
-      if (!(std::abs(p.real()) <= kLargest && std::abs(p.imag()) <= kLargest)) {
-        return Fail(
-            Fault(FaultKind::kNonFiniteCoordinate,
-                  fmt::format("Outline {} has a point that is not finite or beyond 1e15.", i))
-                .Element(id));
-      }
-    }
-  }
-  if (const std::size_t points = PointsOf(outlines); points > kMaxOutlinePoints) {
-    return Fail(Fault(FaultKind::kLimitExceeded,
-                      fmt::format("The outlines have {} points: the limit is {}.", points,
-                                  kMaxOutlinePoints))
-                    .Detail("limit", kMaxOutlinePoints));
-  }
-  return {};
-}
-
 }  // namespace
 
 Result<QualityMesh> MeshOutlines(std::span<const Outline> outlines, std::size_t vertices,
                                  std::size_t most, const CancelToken& cancel) {
-  CHECK_OK(Check(outlines, vertices));
+  CHECK_OK(CheckAsked(outlines, vertices));
   constexpr std::size_t kMostForEach = 100;
   const std::size_t points = PointsOf(outlines);
   most = std::min({most, kMaxMeshVertices, kMostForEach * (vertices + points)});
@@ -402,12 +363,6 @@ Result<QualityMesh> MeshOutlines(std::span<const Outline> outlines, std::size_t 
     draft = Retriangulate(draft, SeedsOf(regions));
   }
   return Finish(std::move(draft), regions.size());
-}
-
-MeshingCost EstimateMeshing(std::size_t points, std::size_t vertices, std::size_t most) {
-  // Measured; a point of an outline needs a vertex, and often another one near it.
-  const double likely = static_cast<double>(std::min(vertices + 2 * points, most + points));
-  return {25e-6 * likely, 1000 * most};
 }
 
 }  // namespace arap

@@ -7,13 +7,9 @@
 #include "arap/base/cancel.h"
 #include "arap/base/result.h"
 #include "arap/model/outline.h"
+#include "core/outline/asked.h"
 
 namespace arap {
-
-// What may be asked for, and what a mesh may have when narrow places need more; besides, it has at
-// most a hundred for each vertex that was asked for and each point of the outlines.
-inline constexpr std::size_t kMaxAskedVertices = 1'000'000;
-inline constexpr std::size_t kMaxMeshVertices = 1'500'000;
 
 // Triangles in what lies inside an odd number of `outlines`, which may run either way: about
 // `vertices` vertices (1 to kMaxAskedVertices) when that is enough, small triangles at small
@@ -29,12 +25,5 @@ inline constexpr std::size_t kMaxMeshVertices = 1'500'000;
 Result<QualityMesh> MeshOutlines(std::span<const Outline> outlines, std::size_t vertices,
                                  std::size_t most = kMaxMeshVertices,
                                  const CancelToken& cancel = {});
-
-// What that takes at most with outlines of so many points in all, but where they are narrow.
-struct MeshingCost {
-  double seconds = 0;     // of processor time
-  std::size_t bytes = 0;  // at the peak
-};
-MeshingCost EstimateMeshing(std::size_t points, std::size_t vertices, std::size_t most);
 
 }  // namespace arap

@@ -1,0 +1,30 @@
+// What may be asked of the mesher, and what that costs.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "arap/base/result.h"
+#include "arap/model/outline.h"
+
+namespace arap {
+
+// What may be asked for, and what a mesh may have when narrow places need more; besides, it has at
+// most a hundred for each vertex that was asked for and each point of the outlines.
+inline constexpr std::size_t kMaxAskedVertices = 1'000'000;
+inline constexpr std::size_t kMaxMeshVertices = 1'500'000;
+
+// Of all outlines together.
+std::size_t PointsOf(std::span<const Outline> outlines);
+
+// The faults of MeshOutlines that show before the work.
+Status CheckAsked(std::span<const Outline> outlines, std::size_t vertices);
+
+// What a mesh takes at most in outlines of so many points in all, but where they are narrow.
+struct MeshingCost {
+  double seconds = 0;     // of processor time
+  std::size_t bytes = 0;  // at the peak
+};
+MeshingCost EstimateMeshing(std::size_t points, std::size_t vertices, std::size_t most);
+
+}  // namespace arap
