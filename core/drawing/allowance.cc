@@ -219,8 +219,8 @@ struct Edge {
   }
 };
 
-// Takes from the budget what it costs to unite the curves.
-Status Afford(const std::vector<Ring>& curves, const Canvas& canvas, BorderBudget& budget) {
+// Takes from `left` what it costs to unite the curves.
+Status Afford(const std::vector<Ring>& curves, const Canvas& canvas, std::size_t& left) {
   constexpr std::size_t kCrossing = 1000;
   std::vector<Edge> edges;
   for (const Ring& curve : curves) {
@@ -232,13 +232,13 @@ Status Afford(const std::vector<Ring>& curves, const Canvas& canvas, BorderBudge
   for (auto edge = edges.begin(); edge != edges.end(); ++edge) {
     for (auto other = edge + 1; other != edges.end() && other->low <= edge->high; ++other) {
       const std::size_t cost = edge->Crosses(*other) ? kCrossing : 1;
-      if (cost > budget.left) {
+      if (cost > left) {
         return Fail(Fault(FaultKind::kInvalidOption,
                           "An outline crosses itself too often, or winds too narrowly for the "
                           "width, to have a seam allowance.")
                         .Field("allowance"));
       }
-      budget.left -= cost;
+      left -= cost;
     }
   }
   return {};
@@ -247,8 +247,7 @@ Status Afford(const std::vector<Ring>& curves, const Canvas& canvas, BorderBudge
 // Back from the border to the outline and a little farther is a region that only lost parts of the
 // outline are in.
 std::optional<double> Lost(const std::vector<Ring>& rings, const Paths& piece, double width,
-                           const Canvas& canvas, BorderBudget& budget) {
-  BorderBudget left = budget;
+                           const Canvas& canvas, std::size_t& left) {
   // Mitred, whatever the corners are: arcs would become bends that are narrower than the way back.
   const Pen pen(width, Corners::kMitre, kMiterLimit);
   std::vector<Ring> border =
@@ -257,7 +256,6 @@ std::optional<double> Lost(const std::vector<Ring>& rings, const Paths& piece, d
   const Pen back((1 + kTolerance) * width, Corners::kMitre, kHollowLimit);
   const std::vector<Ring> inside = back.Moved(border);
   if (!Afford(inside, canvas, left)) return std::nullopt;
-  budget = left;
   // What is outside or beside the border is gone round as often as not, or more; the region once
   // less.
   return LengthInside(rings, United(canvas.In(inside), ClipperLib::pftNegative), canvas);
@@ -266,15 +264,15 @@ std::optional<double> Lost(const std::vector<Ring>& rings, const Paths& piece, d
 Result<Allowance> Offset(const std::vector<Ring>& rings, double width, Corners corners,
                          BorderBudget& budget) {
   const Canvas canvas(rings, (kMiterLimit + kHollowLimit) * width);
-  CHECK_OK(Afford(rings, canvas, budget));
+  CHECK_OK(Afford(rings, canvas, budget.left));
   const Paths piece = United(canvas.In(rings), ClipperLib::pftNonZero);
   const Pen pen(width, corners, kMiterLimit);
   const std::vector<Ring> outside = pen.Moved(canvas.Out(piece));
-  CHECK_OK(Afford(outside, canvas, budget));
+  CHECK_OK(Afford(outside, canvas, budget.left));
   Allowance allowance;
   allowance.rings = canvas.Out(United(canvas.In(outside), ClipperLib::pftNonZero));
 
-  allowance.lost = Lost(rings, piece, width, canvas, budget);
+  allowance.lost = Lost(rings, piece, width, canvas, budget.left_to_check);
   for (Ring& ring : allowance.rings) {
     const auto farthest = std::max_element(ring.begin(), ring.end(), [](Complex a, Complex b) {
       return std::pair(a.real(), a.imag()) < std::pair(b.real(), b.imag());

@@ -21,6 +21,7 @@ enum class Corners {
 // counts a thousand. Enough for half a million points, not for a scribble.
 struct BorderBudget {
   std::size_t left = 200'000'000;
+  std::size_t left_to_check = 200'000'000;  // what was lost
 };
 
 struct Allowance {
@@ -28,7 +29,7 @@ struct Allowance {
   // Length of the outline that has no allowance of its own, because that runs into the piece or into
   // the allowance of another part of it: along gaps narrower than twice the width, slits, holes that
   // vanish, hollow corners sharper than 39°. What lies within a tenth of the width of where it
-  // should does not count. Empty when the budget had not enough left to find it out.
+  // should does not count. Empty when `left_to_check` is not enough to find it out.
   std::optional<double> lost = 0;
 };
 

@@ -173,9 +173,16 @@ TEST(Allowance, RoundAndSquareCornersEndAtTheWidth) {
 
 // All pieces of a drawing share what it may cost.
 TEST(Allowance, IsRefusedWhenTheBudgetIsSpent) {
+  const Ring sheet{{0, 0}, {100, 0}, {100, 50}, {0, 50}};
   BorderBudget spent{3};
-  EXPECT_FALSE(
-      OffsetOutwards({{{0, 0}, {100, 0}, {100, 50}, {0, 50}}}, 10, Corners::kMitre, spent));
+  EXPECT_FALSE(OffsetOutwards({sheet}, 10, Corners::kMitre, spent));
+  // What it has lost is found out from a budget of its own.
+  BorderBudget scarce;
+  scarce.left_to_check = 3;
+  const auto made = OffsetOutwards({sheet}, 10, Corners::kMitre, scarce);
+  ASSERT_TRUE(made);
+  EXPECT_EQ(made->rings.size(), 1u);
+  EXPECT_FALSE(made->lost);
 }
 
 }  // namespace
