@@ -37,9 +37,9 @@ Result<Seams> FindSeams(std::span<const std::array<std::uint32_t, 2>> entries,
         [](const Side& a, const Side& b) { return a.v0 != b.v0 ? a.v0 < b.v0 : a.v1 < b.v1; });
     if (begin == sides.end() || !begin->SameEdge(wanted)) {
       return Fail(Fault(FaultKind::kUnknownEdge,
-                        fmt::format("Seam {} runs from vertex {} to vertex {}, which is no edge of "
+                        fmt::format("A seam runs from vertex {} to vertex {}, which is no edge of "
                                     "the mesh.",
-                                    i, entries[i][0], entries[i][1]))
+                                    entries[i][0], entries[i][1]))
                       .Field(fmt::format("seams[{}]", i))
                       .Elements({entries[i][0], entries[i][1]}));
     }

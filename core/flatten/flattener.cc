@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -137,6 +139,23 @@ Fault Explained(Fault fault, const Chart& chart) {
       .Detail("cause", fault.message);
 }
 
+// What kept a chart from an injective layout, with the numbers of the input instead of the chart's.
+// `source` (#U) is the input vertex of each vertex of the cut surface.
+Fault OfInput(Fault fault, const Chart& chart, std::span<const std::uint32_t> source) {
+  if (fault.kind != FaultKind::kNotInjective) return fault;
+  const bool held = fault.field == "pins";
+  const auto vertex = [&](std::uint32_t v) { return source[chart.vertices[v]]; };
+  if (held) {
+    const std::uint32_t t = fault.elements.front();
+    const auto& [a, b, c] = chart.mesh.triangles[t];
+    fault.message = fmt::format("The pins of vertices {}, {} and {} flip triangle {}.", vertex(a),
+                                vertex(b), vertex(c), chart.triangles[t]);
+  }
+  const bool triangles = held || !DetailOf(fault, "flipped").empty();
+  for (std::uint32_t& id : fault.elements) id = triangles ? chart.triangles[id] : vertex(id);
+  return fault;
+}
+
 // Flattens what is cut already; the times have no share for cutting it.
 Result<Flattening> FlattenPrepared(const PreparedSurfaceParts& surface,
                                    const FlattenOptions& options, const CancelToken& cancel,
@@ -157,6 +176,7 @@ Result<Flattening> FlattenPrepared(const PreparedSurfaceParts& surface,
     auto layout = LayOutChart(chart, options, EnergyOf(chart, options.energy), solver, wishes[c],
                               fmt::to_string(c), surface.factors, cancel);
     if (!layout) {
+      layout.error() = OfInput(std::move(layout.error()), chart, surface.surface.source);
       // Who demands one way of solving is told of it.
       if (solver == PinSolver::kNullSpace) return Fail(std::move(layout).error());
       return Fail(Explained(std::move(layout).error(), chart));

@@ -80,7 +80,8 @@ Status CheckIndices(std::size_t vertices, const std::vector<Triangle>& triangles
     if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) {
       return Fail(
           Fault(FaultKind::kRepeatedIndex,
-                fmt::format("Triangle {} names a vertex twice: {} {} {}.", t, c[0], c[1], c[2]))
+                fmt::format("Triangle {} has the vertices {}, {} and {}, one of them twice.", t,
+                            c[0], c[1], c[2]))
               .Field("mesh.triangles")
               .Element(t));
     }

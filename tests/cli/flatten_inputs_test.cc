@@ -204,7 +204,7 @@ TEST(FlattenFlags, SayWhatTheyAreCalled) {
   EXPECT_EQ(flags->drawing.millimetres_per_unit, 25.4);
   EXPECT_EQ(flags->drawing.allowance, 10);
   EXPECT_EQ(flags->timeout.value(), std::chrono::milliseconds(1500));
-  const auto query = ReadQuery(*flags, kVertices, kTriangles);
+  const auto query = ReadQuery(*flags, {}, kVertices, kTriangles);
   ASSERT_TRUE(query) << query.error().message;
   const FlattenOptions& options = query->options;
   EXPECT_EQ(options.method, FlattenMethod::kArap);
@@ -259,7 +259,7 @@ TEST(FlattenFlags, RefuseWhatDoesNotGoWithTheMethod) {
 TEST(FlattenFlags, LeaveEverythingElseToTheService) {
   const auto flags = Parse({"--dxf", "b.dxf"});
   ASSERT_TRUE(flags) << flags.error().message;
-  const auto query = ReadQuery(*flags, kVertices, kTriangles);
+  const auto query = ReadQuery(*flags, {}, kVertices, kTriangles);
   ASSERT_TRUE(query) << query.error().message;
   EXPECT_EQ(query->options, ArapOptions());
   EXPECT_EQ(flags->drawing.millimetres_per_unit, 1);

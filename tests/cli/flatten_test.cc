@@ -283,6 +283,38 @@ TEST_F(FlattenCommand, FilesThatAreWrongAreNamedWithTheirLine) {
   EXPECT_THAT(missing.err, HasSubstr("--seams " + Path("none.txt")));
 }
 
+// What the server finds is told as the files have it, and not as it counts.
+TEST_F(FlattenCommand, FaultsOfTheServerAreInTheNumbersOfTheFiles) {
+  const std::string mesh = Put("rolled.obj", FormatObj(RolledSheet()));
+  const std::string in = Path("in");
+  const auto fault = [&](const std::string& flag, const std::string& text) {
+    Put("in", text);
+    const Outcome outcome =
+        Arapctl({"flatten", mesh, "--spawn", flag, in, "--out", Path("flat.obj")});
+    EXPECT_EQ(outcome.code, 1) << text;
+    return outcome.err;
+  };
+  EXPECT_THAT(fault("--seams", "1 2\r\n\r\n3 5\r\n"),
+              HasSubstr("UNKNOWN_EDGE: --seams " + in +
+                        ":3: A seam runs from vertex 3 to vertex 5, "
+                        "which is no edge of the mesh. ("));
+  EXPECT_THAT(fault("--seams", "[[0, 1],\n [2, 4]]"),
+              HasSubstr("--seams " + in + ":2:2: A seam runs from vertex 2 to vertex 4,"));
+  EXPECT_THAT(fault("--pins",
+                    "\xef\xbb\xbf"
+                    "7 0 0\n7 1 1\n"),
+              HasSubstr("INVALID_OPTION: --pins " + in + ":2: Vertex 7 is pinned twice. ("));
+  EXPECT_THAT(fault("--pins", "7 1 1 1e-99\n"), HasSubstr("--pins " + in + ":1: weight is 1e-99"));
+  // The second triangle, in line 6, has no area.
+  Put("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
+  const Outcome surface =
+      Arapctl({"flatten", Path("flat.obj"), "--spawn", "--out", Path("out.obj")});
+  EXPECT_EQ(surface.code, 1);
+  EXPECT_THAT(surface.err, HasSubstr("DEGENERATE_TRIANGLE: " + Path("flat.obj") +
+                                     ": Triangle at line 6 is degenerate"));
+  EXPECT_THAT(surface.err, HasSubstr("--tolerate-degenerate lets them through"));
+}
+
 constexpr const char* kTetrahedron =
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 

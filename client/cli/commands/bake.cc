@@ -61,7 +61,10 @@ class Baker {
     const auto edited = stage_.session().EditHandles(
         kHandleSet, edit.remove, ToHandles(stage_.track(), edit.add, options_.hard), Call());
     if (!edited) {
-      return Failed(fmt::format("edit before frame {}", edit.frame), edited.error());
+      const auto number = static_cast<std::size_t>(&edit - stage_.track().edits.data());
+      return Failed(fmt::format("edit before frame {}: ", edit.frame), edited.error(),
+                    {stage_.InTrack("add", "the handle", {"edits", number, "add"}),
+                     stage_.InTrack("remove", "the name", {"edits", number, "remove"})});
     }
     PrintWarnings(edited->handle_set.warnings);
     return EditTimes{edit.frame,           edit.remove.size(),   edit.add.size(),
@@ -84,18 +87,19 @@ class Baker {
                                                       {std::nullopt, stop_.get_token()});
     if (!used) return used;
     if (baked) return {};
-    return segment.first == 0
-               ? Failed({}, baked.error())
-               : Failed(fmt::format("counted from frame {}", segment.first), baked.error());
+    return Failed({}, baked.error(),
+                  {stage_.InTrack("frames", "the frame", {"frames"}, segment.first)});
   }
 
  private:
   client::CallOptions Call() const { return {options_.timeout.value(), stop_.get_token()}; }
 
-  tl::unexpected<Fault> Failed(const std::string& where, Fault fault) const {
+  tl::unexpected<Fault> Failed(const std::string& when, Fault fault,
+                               const std::vector<Origin>& parts) const {
     fault = patience_.Explain(std::move(fault));
-    if (!where.empty()) fault.message = where + ": " + fault.message;
-    return Fail(std::move(fault));
+    fault.message = when + fault.message;
+    fault = InOwnWords(std::move(fault), parts);
+    return Fail(InOwnWords(std::move(fault), stage_.Origins()));
   }
 
   const Stage& stage_;

@@ -106,7 +106,7 @@ Status Drag(const DragOptions& options) {
   TRY(const Stage stage, Stage::Open(options.stage));
   std::vector<Complex> points;
   for (const PickPoint& pick : options.picks) points.emplace_back(pick.x, pick.y);
-  const DragScript script(stage.track(), options.stage.hard, points);
+  const DragScript script(stage, options.stage.hard, points);
   if (!points.empty() && script.frame_count() == 0) {
     return Fail(FaultKind::kInvalidOption, "--pick asks for the last frame; the track has none.");
   }
@@ -130,7 +130,7 @@ Status Drag(const DragOptions& options) {
     };
     auto times = every ? DragEvery(stream, script, on_shape)
                        : DragLatest(stream, script, options.rate, on_shape);
-    if (!times) return Fail(patience.Explain(times.error()));
+    if (!times) return Fail(InOwnWords(patience.Explain(times.error()), stage.Origins()));
     return times;
   };
   TRY(const DragTimes times, play());

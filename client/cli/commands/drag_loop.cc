@@ -50,6 +50,7 @@ class Answers {
       if (const auto cue = script_.CueOf(error->sequence)) {
         error->fault.message = fmt::format("{} {}: {}", cue->edit ? "edit before frame" : "frame",
                                            cue->frame, error->fault.message);
+        return Fail(InOwnWords(std::move(error->fault), script_.OriginsOf(*cue)));
       }
       return Fail(error->fault);
     }
@@ -106,13 +107,23 @@ bool IsPlain(const TrackFrame& frame) {
 
 }  // namespace
 
-DragScript::DragScript(const Track& track, bool hard, std::vector<Complex> pick_points)
-    : track_(track),
+DragScript::DragScript(const Stage& stage, bool hard, std::vector<Complex> pick_points)
+    : stage_(stage),
+      track_(stage.track()),
       hard_(hard),
       pick_points_(std::move(pick_points)),
-      segments_(SegmentsOf(track)),
-      packed_(track.edits.empty() &&
-              std::all_of(track.frames.begin(), track.frames.end(), IsPlain)) {}
+      segments_(SegmentsOf(track_)),
+      packed_(track_.edits.empty() &&
+              std::all_of(track_.frames.begin(), track_.frames.end(), IsPlain)) {}
+
+std::vector<Origin> DragScript::OriginsOf(const DragCue& cue) const {
+  if (!cue.edit) {
+    return {stage_.InTrack("targets", "the target", {"frames", cue.frame, "targets"})};
+  }
+  const auto number = static_cast<std::size_t>(EditAt(cue.frame) - track_.edits.data());
+  return {stage_.InTrack("add", "the handle", {"edits", number, "add"}),
+          stage_.InTrack("remove", "the name", {"edits", number, "remove"})};
+}
 
 const TrackEdit* DragScript::EditAt(std::size_t frame) const {
   const TrackSegment& segment = SegmentAt(segments_, frame);

@@ -22,12 +22,12 @@ struct DragCue {
 };
 
 // What a drag sends: for each frame of a track an update, and before some of them an edit.
-// Immutable, shared by threads. Refers to the track.
+// Immutable, shared by threads. Refers to the stage with the track.
 class DragScript {
  public:
   // `hard`: the handles that edits add meet their targets exactly, whatever the track says.
   // `pick_points` are asked for with the last frame.
-  DragScript(const Track& track, bool hard, std::vector<Complex> pick_points);
+  DragScript(const Stage& stage, bool hard, std::vector<Complex> pick_points);
 
   std::size_t frame_count() const { return track_.frames.size(); }
   const std::vector<Complex>& pick_points() const { return pick_points_; }
@@ -40,8 +40,11 @@ class DragScript {
 
   // Empty for a sequence that this script does not send.
   std::optional<DragCue> CueOf(std::uint64_t sequence) const;
+  // Where the fields of what was sent come from.
+  std::vector<Origin> OriginsOf(const DragCue& cue) const;
 
  private:
+  const Stage& stage_;
   const Track& track_;
   bool hard_;
   std::vector<Complex> pick_points_;

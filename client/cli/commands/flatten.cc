@@ -20,7 +20,7 @@ namespace arap::cli {
 namespace {
 
 Status WriteLayout(const FlattenFlags& flags, const std::vector<GrainLine>& grain,
-                   const SurfaceMesh& mesh, client::FlatSurface answer) {
+                   const SurfaceMesh& mesh, const Counting& counting, client::FlatSurface answer) {
   const Flattening& flat = answer.flat;
   const DrawingFlags& drawing = flags.drawing;
   PatternOptions options;
@@ -34,7 +34,8 @@ Status WriteLayout(const FlattenFlags& flags, const std::vector<GrainLine>& grai
   for (const auto& more : {pattern.warnings, SizeWarnings(pattern)}) {
     answer.flat.warnings.insert(answer.flat.warnings.end(), more.begin(), more.end());
   }
-  PrintWarnings(flat.warnings);
+  // The report counts from 0, as all of it does.
+  PrintWarnings(InOwnWords(flat.warnings, counting));
   const std::vector<std::string> summary = Summary(mesh, flat, pattern);
   for (const std::string& line : summary) fmt::print("{}\n", line);
   CHECK_OK(WriteDrawings(drawing, pattern, summary));
@@ -46,9 +47,10 @@ Status WriteLayout(const FlattenFlags& flags, const std::vector<GrainLine>& grai
 }
 
 Status Compare(const FlattenFlags& flags, const client::FlattenQuery& query,
-               const SurfaceMesh& mesh, const client::Client& client) {
+               const SurfaceMesh& mesh, const client::Client& client,
+               const std::vector<Origin>& origins) {
   const FlattenCall flatten = [&](const client::FlattenQuery& one, const std::string& what) {
-    return FlattenWaiting(client, mesh, one, flags.timeout.value(), what);
+    return InOwnWords(FlattenWaiting(client, mesh, one, flags.timeout.value(), what), origins);
   };
   TRY(const std::vector<ComparisonPanel> panels, CompareMethods(query, flatten));
   fmt::print("{}", FormatTable(panels));
@@ -62,8 +64,11 @@ Status Flatten(const FlattenFlags& flags) {
   TRY(const SurfaceFile file, ReadSurfaceFile(flags.surface));
   PrintWarnings(file.warnings);
   const SurfaceMesh& mesh = file.mesh;
+  TRY(const FlattenTexts texts, ReadTexts(flags));
+  const Counting counting = CountingOf(flags.surface, file);
+  const std::vector<Origin> origins = OriginsOf(flags, texts, counting);
   TRY(const client::FlattenQuery query,
-      ReadQuery(flags, mesh.vertices.size(), mesh.triangles.size()));
+      InOwnWords(ReadQuery(flags, texts, mesh.vertices.size(), mesh.triangles.size()), origins));
   TRY(const Connection connection, Connection::Open(flags.server));
 
   const DrawingFlags& drawing = flags.drawing;
@@ -72,13 +77,16 @@ Status Flatten(const FlattenFlags& flags) {
   if (layout) {
     const std::size_t slash = flags.job.find('/');
     TRY(client::FlatSurface answer,
-        flags.job.empty()
-            ? FlattenWaiting(connection.client(), mesh, query, flags.timeout.value(), "flattening")
-            : FlattenAsJob(connection.client(), mesh, query, flags.timeout.value(),
-                           flags.job.substr(0, slash), flags.job.substr(slash + 1)));
-    CHECK_OK(WriteLayout(flags, query.options.grain_lines, mesh, std::move(answer)));
+        InOwnWords(flags.job.empty()
+                       ? FlattenWaiting(connection.client(), mesh, query, flags.timeout.value(),
+                                        "flattening")
+                       : FlattenAsJob(connection.client(), mesh, query, flags.timeout.value(),
+                                      flags.job.substr(0, slash), flags.job.substr(slash + 1)),
+                   origins));
+    CHECK_OK(WriteLayout(flags, query.options.grain_lines, mesh, counting, std::move(answer)));
   }
-  return flags.compare.empty() ? Status() : Compare(flags, query, mesh, connection.client());
+  return flags.compare.empty() ? Status()
+                               : Compare(flags, query, mesh, connection.client(), origins);
 }
 
 }  // namespace

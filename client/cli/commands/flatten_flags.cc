@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <climits>
+#include <cstdint>
 #include <map>
 #include <utility>
 
@@ -204,17 +205,12 @@ auto DoesNotGo(const char* flag, Method method, const char* field) {
                   .Field(field));
 }
 
-// What a file says about so many elements of the surface; nothing without a file. Faults begin with
-// the flag.
-template <class List>
-Result<List> ReadInput(const std::string& flag, const std::string& path,
-                       Result<List> (*parse)(const std::string& text, const std::string& name,
-                                             std::size_t count),
-                       std::size_t count) {
-  if (path.empty()) return List();
+// Nothing without a file.
+Result<std::string> ReadInput(const char* flag, const std::string& path) {
+  if (path.empty()) return std::string();
   Result<std::string> text = ReadTextFile(path);
-  if (!text) return Fail(text.error().kind, flag + text.error().message);
-  return parse(*text, flag + path, count);
+  if (!text) text.error().message = fmt::format("{} {}", flag, text.error().message);
+  return text;
 }
 
 }  // namespace
@@ -258,23 +254,80 @@ void AddFlattenFlags(CLI::App& command, FlattenFlags& flags) {
   AddDrawing(command, flags);
 }
 
-Result<client::FlattenQuery> ReadQuery(const FlattenFlags& flags, std::size_t vertex_count,
-                                       std::size_t triangle_count) {
+Result<FlattenTexts> ReadTexts(const FlattenFlags& flags) {
+  FlattenTexts texts;
+  TRY(texts.seams, ReadInput("--seams", flags.seams));
+  TRY(texts.pins, ReadInput("--pins", flags.pins));
+  TRY(texts.rigidity, ReadInput("--rigidity", flags.rigidity));
+  return texts;
+}
+
+Result<client::FlattenQuery> ReadQuery(const FlattenFlags& flags, const FlattenTexts& texts,
+                                       std::size_t vertex_count, std::size_t triangle_count) {
   client::FlattenQuery query = flags.query;
   FlattenOptions& options = query.options;
   CutOptions cut = std::move(options.cut);
   TRY(options, flags.method.Options());
   options.cut = std::move(cut);
-  TRY(options.cut.seams, ReadInput("--seams ", flags.seams, &ParseSeams, vertex_count));
-  TRY(options.pins, ReadInput("--pins ", flags.pins, &ParsePins, vertex_count));
-  TRY(options.energy.rigidity,
-      ReadInput("--rigidity ", flags.rigidity, &ParseRigidity, triangle_count));
+  if (!flags.seams.empty()) {
+    TRY(options.cut.seams, ParseSeams(texts.seams, "--seams " + flags.seams, vertex_count));
+  }
+  if (!flags.pins.empty()) {
+    TRY(options.pins, ParsePins(texts.pins, "--pins " + flags.pins, vertex_count));
+  }
+  if (!flags.rigidity.empty()) {
+    TRY(options.energy.rigidity,
+        ParseRigidity(texts.rigidity, "--rigidity " + flags.rigidity, triangle_count));
+  }
   for (const std::string& text : flags.grain) {
     TRY(const GrainLine line, ParseGrain(text));
     CHECK_OK(CheckGrain(line, vertex_count));
     options.grain_lines.push_back(line);
   }
   return query;
+}
+
+std::vector<Origin> OriginsOf(const FlattenFlags& flags, const FlattenTexts& texts,
+                              const Counting& mesh) {
+  constexpr std::size_t kAll = SIZE_MAX;
+  // A file, and of an entry of it the line.
+  const auto place = [](const std::string& name, auto of_entry) {
+    return [name, of_entry](std::string_view rest) {
+      const std::size_t entry = EntryOf(rest, kAll);
+      return entry == kAll ? name : of_entry(name, entry);
+    };
+  };
+  const auto seam = [&texts](const std::string& name, std::size_t number) {
+    return PlaceOfSeam(texts.seams, name, number / 2);  // two numbers make a seam
+  };
+  const auto pin = [&texts](const std::string& name, std::size_t number) {
+    return PlaceOfPin(texts.pins, name, number);
+  };
+  const auto rigidity = [&texts](const std::string& name, std::size_t number) {
+    return PlaceOfRigidity(texts.rigidity, name, number);
+  };
+  const auto grain = [&flags](const std::string& name, std::size_t number) {
+    return number < flags.grain.size() ? name + " " + flags.grain[number] : name;
+  };
+  const auto counts = [&mesh](std::uint32_t first) { return Counting{first, mesh.line_of}; };
+  std::vector<Origin> origins{
+      {"mesh", "the surface", mesh,
+       place(flags.surface, [](const auto& name, auto) { return name; })},
+      {"seam_edges", "the seam", counts(FirstVertexIn(texts.seams)),
+       place("--seams " + flags.seams, seam)},
+      {"pins", "the pin", counts(1), place("--pins " + flags.pins, pin)},
+      {"energy.rigidity", "the rigidity", mesh, place("--rigidity " + flags.rigidity, rigidity)},
+      {"grain_lines", "the line", counts(1), place("--grain", grain)},
+  };
+  for (const auto& [field, flag] :
+       {std::pair("method", "--method"), std::pair("energy.basis", "--basis"),
+        std::pair("energy.weights", "--weights"), std::pair("anchors", "--anchors"),
+        std::pair("refine", "--refine"), std::pair("refine_stop", "--refine-stop"),
+        std::pair("injective", "--injective"), std::pair("surface_key", "--surface-key"),
+        std::pair("session_id", "--job"), std::pair("job_id", "--job")}) {
+    origins.push_back({field, "", mesh, [flag](std::string_view) { return std::string(flag); }});
+  }
+  return origins;
 }
 
 }  // namespace arap::cli

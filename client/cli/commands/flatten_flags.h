@@ -11,6 +11,7 @@
 #include "arap/base/result.h"
 #include "arap/client/flatten.h"
 #include "client/cli/commands/commands.h"
+#include "client/cli/commands/own_words.h"
 #include "client/cli/connect/connection.h"
 #include "core/drawing/allowance.h"
 
@@ -64,9 +65,21 @@ struct FlattenFlags {
 
 void AddFlattenFlags(CLI::App& command, FlattenFlags& flags);
 
+// What stands in the files to read; empty where there is none.
+struct FlattenTexts {
+  std::string seams, pins, rigidity;
+};
+
+// kNotFound with the flag.
+Result<FlattenTexts> ReadTexts(const FlattenFlags& flags);
 // The query with what the method, the files and the grain lines say about a surface of so many
 // vertices and triangles.
-Result<client::FlattenQuery> ReadQuery(const FlattenFlags& flags, std::size_t vertex_count,
-                                       std::size_t triangle_count);
+Result<client::FlattenQuery> ReadQuery(const FlattenFlags& flags, const FlattenTexts& texts,
+                                       std::size_t vertex_count, std::size_t triangle_count);
+
+// Where a request to flatten comes from: its files with their lines, and its flags. `mesh` is how the
+// file of the surface counts. Refers to the flags and the texts.
+std::vector<Origin> OriginsOf(const FlattenFlags& flags, const FlattenTexts& texts,
+                              const Counting& mesh);
 
 }  // namespace arap::cli

@@ -55,30 +55,51 @@ auto NotFinite(const std::string& word) {
                          word.find(',') == std::string::npos ? "" : "; decimal comma?"));
 }
 
-// Calls `read` with the words of every line that has any; its fault gets the number of the line.
-Status ReadLines(std::string_view text, const std::string& name,
-                 const std::function<Status(const Words&)>& read) {
+// Calls `read` with the number and the words of every line that has any.
+Status ReadLines(std::string_view text,
+                 const std::function<Status(std::size_t number, const Words& words)>& read) {
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::string_view line = TakeLine(text);
     std::istringstream stream(std::string(line.substr(0, line.find('#'))));
     Words words;
     for (std::string word; stream >> word;) words.push_back(std::move(word));
-    if (words.empty()) continue;
-    if (const Status good = read(words); !good) {
-      return Bad(fmt::format("{}:{}: {}", name, number, good.error().message));
-    }
+    if (!words.empty()) CHECK_OK(read(number, words));
   }
   return {};
 }
+
+// The same with the words alone; the fault of `read` gets the number of the line.
+Status ReadLines(std::string_view text, const std::string& name,
+                 const std::function<Status(const Words&)>& read) {
+  return ReadLines(text, [&](std::size_t number, const Words& words) -> Status {
+    const Status good = read(words);
+    if (good) return {};
+    return Bad(fmt::format("{}:{}: {}", name, number, good.error().message));
+  });
+}
+
+// The line with an entry, where a line of so many words has `entries` of them.
+std::string PlaceOfEntry(std::string_view text, const std::string& name, std::size_t entry,
+                         std::size_t (*entries)(std::size_t words)) {
+  std::size_t line = 0, before = 0;
+  (void)ReadLines(text, [&](std::size_t number, const Words& words) -> Status {
+    if (line == 0 && entry < before + entries(words.size())) line = number;
+    before += entries(words.size());
+    return {};
+  });
+  return fmt::format("{}:{}", name, line);
+}
+
+std::size_t One(std::size_t /*words*/) { return 1; }
 
 bool IsJson(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   return first != std::string_view::npos && (text[first] == '[' || text[first] == '{');
 }
 
-// `json` is what the text holds. One with a list beside other things has it in "cut_edges".
-std::string PlaceOfSeam(std::string_view text, const std::string& name, const Json& json,
-                        std::size_t element) {
+// An element of the list, which is all of the text or in "cut_edges".
+std::string PlaceOfElement(std::string_view text, const std::string& name, const Json& json,
+                           std::size_t element) {
   return json.is_object() ? JsonPlace(text, name, {"cut_edges", element})
                           : JsonPlace(text, name, {element});
 }
@@ -114,7 +135,7 @@ Result<Edges> ParseJsonSeams(const std::string& text, const std::string& name,
       fault = list[i].dump() + " is not a pair of vertices";
     }
     if (!fault.empty()) {
-      return Bad(fmt::format("{}: element {}: {}", PlaceOfSeam(text, name, json, i), i, fault));
+      return Bad(fmt::format("{}: element {}: {}", PlaceOfElement(text, name, json, i), i, fault));
     }
   }
   Edges edges(seams.size() / 2);
@@ -210,6 +231,29 @@ Result<std::vector<double>> ParseRigidity(const std::string& text, const std::st
   }
   return rigidity;
 }
+
+std::string PlaceOfSeam(const std::string& text, const std::string& name, std::size_t edge) {
+  if (!IsJson(text)) {
+    return PlaceOfEntry(text, name, edge, [](std::size_t words) { return words - 1; });
+  }
+  const Result<Json> json = ParseJson(text, name);
+  if (!json) return name;
+  const Json& list = json->is_object() ? json->at("cut_edges") : *json;
+  const bool pairs = list.front().is_array();
+  return PlaceOfElement(text, name, *json, pairs ? edge : 2 * edge);
+}
+
+std::string PlaceOfPin(const std::string& text, const std::string& name, std::size_t pin) {
+  return PlaceOfEntry(text, name, pin, &One);
+}
+
+std::string PlaceOfRigidity(const std::string& text, const std::string& name,
+                            std::size_t triangle) {
+  return IsJson(text) ? JsonPlace(text, name, {triangle})
+                      : PlaceOfEntry(text, name, triangle, &One);
+}
+
+std::uint32_t FirstVertexIn(const std::string& text) { return IsJson(text) ? 0 : 1; }
 
 Result<GrainLine> ParseGrain(const std::string& text) {
   Words words;

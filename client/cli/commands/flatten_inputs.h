@@ -31,6 +31,14 @@ Result<std::vector<UvPin>> ParsePins(const std::string& text, const std::string&
 Result<std::vector<double>> ParseRigidity(const std::string& text, const std::string& name,
                                           std::size_t triangle_count);
 
+// Where an entry of what was parsed stands, "NAME:3" or "NAME:3:14": an edge of seams, a pin, the
+// rigidity of a triangle, each counted from 0. O(text).
+std::string PlaceOfSeam(const std::string& text, const std::string& name, std::size_t edge);
+std::string PlaceOfPin(const std::string& text, const std::string& name, std::size_t pin);
+std::string PlaceOfRigidity(const std::string& text, const std::string& name, std::size_t triangle);
+// What the text calls vertex 0: 1, in JSON 0.
+std::uint32_t FirstVertexIn(const std::string& text);
+
 // FROM,TO[,ANGLE] with vertices from 1 and degrees. Says so when it is something else.
 Result<GrainLine> ParseGrain(const std::string& text);
 // Whether both ends of the line are vertices of the surface.

@@ -1,5 +1,6 @@
 #include "client/cli/commands/stage.h"
 
+#include <algorithm>
 #include <climits>
 #include <limits>
 #include <utility>
@@ -45,17 +46,42 @@ void AddStageOptions(CLI::App& command, StageOptions& options, bool out_required
                    "meet the targets exactly, whatever weight the track gives");
 }
 
+namespace {
+
+// "[3].targets[2].x" as steps.
+std::vector<JsonStep> StepsOf(std::string_view path) {
+  std::vector<JsonStep> steps;
+  while (!path.empty()) {
+    if (path.starts_with('[')) {
+      steps.emplace_back(EntryOf(path, 0));
+      path.remove_prefix(std::min(path.find(']'), path.size() - 1) + 1);
+    } else {
+      if (path.starts_with('.')) path.remove_prefix(1);
+      const std::string_view member = path.substr(0, path.find_first_of(".["));
+      if (!member.empty()) steps.emplace_back(member);
+      path.remove_prefix(member.size());
+    }
+  }
+  return steps;
+}
+
+}  // namespace
+
 void Stage::Release::operator()(const client::Session* session) const {
   // It would expire anyway, and nobody could act on a failure.
   (void)session->Delete({std::chrono::seconds(5)});
   delete session;
 }
 
-Stage::Stage(Connection connection, client::Session session, PlanarMesh mesh, Track track)
+Stage::Stage(const StageOptions& options, Connection connection, client::Session session,
+             PlanarMesh mesh, Track track, std::string track_text)
     : connection_(std::move(connection)),
       session_(new client::Session(std::move(session))),
+      mesh_name_(options.mesh),
+      track_name_(options.track),
       mesh_(std::move(mesh)),
-      track_(std::move(track)) {}
+      track_(std::move(track)),
+      track_text_(std::make_unique<const std::string>(std::move(track_text))) {}
 
 Stage::~Stage() = default;
 
@@ -63,12 +89,14 @@ Result<Stage> Stage::Open(const StageOptions& options) {
   std::vector<Warning> notes;
   TRY(PlanarMesh mesh, ReadPlanarMesh(options.mesh, &notes));
   PrintWarnings(notes);
-  TRY(Track track, ReadTrack(options.track));
+  TRY(std::string text, ReadTextFile(options.track));
+  TRY(Track track, ParseTrack(text, options.track));
   PrintWarnings(track.warnings);
   TRY(Connection connection, Connection::Open(options.server));
   const client::CallOptions call{options.timeout.value()};
   TRY(client::Session session, connection.client().CreateSession({}, call));
-  Stage stage(std::move(connection), std::move(session), std::move(mesh), std::move(track));
+  Stage stage(options, std::move(connection), std::move(session), std::move(mesh), std::move(track),
+              std::move(text));
 
   EnergyOptions energy = options.energy;
   if (options.as_published) {
@@ -76,15 +104,51 @@ Result<Stage> Stage::Open(const StageOptions& options) {
     energy.weights = Weights::kUniform;
   }
   energy.rigidity = stage.track_.rigidity;
-  TRY(const auto registered, stage.session().RegisterMesh(stage.mesh_, energy, {}, call));
-  PrintWarnings(registered.mesh.report.warnings);
+  const std::vector<Origin> origins = stage.Origins();
+  TRY(const auto registered,
+      InOwnWords(stage.session().RegisterMesh(stage.mesh_, energy, {}, call), origins));
+  PrintWarnings(InOwnWords(registered.mesh.report.warnings, origins.front().counting));
   TRY(const auto compiled,
-      stage.session().CompileHandles(kHandleSet, registered.mesh.id,
-                                     ToHandles(stage.track_, options.hard), call));
-  PrintWarnings(compiled.handle_set.warnings);
+      InOwnWords(stage.session().CompileHandles(kHandleSet, registered.mesh.id,
+                                                ToHandles(stage.track_, options.hard), call),
+                 origins));
+  PrintWarnings(InOwnWords(compiled.handle_set.warnings, origins.front().counting));
   stage.register_micros_ = registered.solve_micros;
   stage.compile_micros_ = compiled.solve_micros;
   return stage;
+}
+
+std::vector<Origin> Stage::Origins() const {
+  const Counting mesh{FirstNumberIn(mesh_name_), {}};
+  const auto flag = [&mesh](const char* field, std::string name) {
+    return Origin{field, "", mesh, [name = std::move(name)](std::string_view) { return name; }};
+  };
+  return {flag("mesh", mesh_name_),
+          InTrack("energy.rigidity", "the rigidity", {"rigidity"}),
+          InTrack("handles", "the handle", {"handles"}),
+          flag("energy.basis", "--basis"),
+          flag("energy.weights", "--weights"),
+          flag("options.mode", "--mode"),
+          flag("options.refine", "--refine"),
+          flag("pick_points", "--pick")};
+}
+
+Origin Stage::InTrack(std::string field, std::string entry, std::vector<JsonStep> steps,
+                      std::size_t shift) const {
+  // TRACK.json counts from 0, as the server does.
+  return {std::move(field),
+          std::move(entry),
+          {},
+          [text = track_text_.get(), name = track_name_, steps = std::move(steps),
+           shift](std::string_view rest) {
+            std::vector<JsonStep> path = steps;
+            for (const JsonStep& step : StepsOf(rest)) {
+              path.push_back(step);
+              if (path.size() != steps.size() + 1) continue;
+              if (auto* const index = std::get_if<std::size_t>(&path.back())) *index += shift;
+            }
+            return JsonPlace(*text, name, path);
+          }};
 }
 
 FilmMaker::FilmMaker(const StageOptions& options, const Stage& stage)

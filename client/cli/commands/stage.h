@@ -11,8 +11,10 @@
 
 #include "arap/client/client.h"
 #include "client/cli/commands/commands.h"
+#include "client/cli/commands/own_words.h"
 #include "client/cli/connect/connection.h"
 #include "core/drawing/film.h"
+#include "core/files/json_text.h"
 #include "core/files/track.h"
 
 namespace arap::cli {
@@ -40,7 +42,7 @@ inline constexpr const char* kHandleSet = "track";
 class Stage {
  public:
   // Reads both files, connects, registers the mesh and compiles the handles. Prints the warnings of
-  // the mesh file and of the server.
+  // reading and of the server.
   static Result<Stage> Open(const StageOptions& options);
 
   Stage(Stage&&) = default;
@@ -50,11 +52,19 @@ class Stage {
   const client::Session& session() const { return *session_; }
   const PlanarMesh& mesh() const { return mesh_; }
   const Track& track() const { return track_; }
+  // Where a request to deform comes from: the mesh, and the track with line and column.
+  std::vector<Origin> Origins() const;
+  // Where a field comes from that is the part of the track to which `steps` lead; entries of the
+  // field are `shift` further on in the track.
+  Origin InTrack(std::string field, std::string entry, std::vector<JsonStep> steps,
+                 std::size_t shift = 0) const;
+
   double register_micros() const { return register_micros_; }
   double compile_micros() const { return compile_micros_; }
 
  private:
-  Stage(Connection connection, client::Session session, PlanarMesh mesh, Track track);
+  Stage(const StageOptions& options, Connection connection, client::Session session,
+        PlanarMesh mesh, Track track, std::string track_text);
 
   // Deletes the session on the server too.
   struct Release {
@@ -63,8 +73,10 @@ class Stage {
 
   Connection connection_;
   std::unique_ptr<const client::Session, Release> session_;
+  std::string mesh_name_, track_name_;
   PlanarMesh mesh_;
   Track track_;
+  std::unique_ptr<const std::string> track_text_;  // stays where it is when this is moved
   double register_micros_ = 0;
   double compile_micros_ = 0;
 };

@@ -1,6 +1,9 @@
 // Layouts without flips, asked of the flattener.
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -34,6 +37,30 @@ TEST(InjectiveRequestTest, AnImpossibleLayoutIsRefused) {
   const auto flat = Flatten(cap, options);
   ASSERT_FALSE(flat.has_value());
   EXPECT_EQ(flat.error().kind, FaultKind::kNotInjective);
+}
+
+// The numbers are those of the input, whichever chart it is and whatever was left out.
+TEST(InjectiveRequestTest, AnImpossibleLayoutIsToldInTheNumbersOfTheInput) {
+  const SurfaceMesh cap = SphereCap(6, 12, 1.0);
+  SurfaceMesh two = cap;
+  two.vertices.push_back({9, 9, 9});  // in no triangle
+  const auto first = static_cast<std::uint32_t>(two.vertices.size());
+  for (const Point3& p : cap.vertices) two.vertices.push_back({p[0] + 10, p[1], p[2]});
+  for (const Triangle& t : cap.triangles) {
+    two.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  const std::size_t flipped = cap.triangles.size() + 30;
+  const Triangle& t = two.triangles[flipped];
+  FlattenOptions options;
+  options.injective = true;
+  options.pins = {{t[0], {0, 0}, 0}, {t[1], {0, 0.1}, 0}, {t[2], {0.1, 0}, 0}};
+  const auto flat = Flatten(two, options);
+  ASSERT_FALSE(flat.has_value());
+  EXPECT_EQ(flat.error().kind, FaultKind::kNotInjective);
+  EXPECT_EQ(flat.error().elements, (std::vector{static_cast<std::uint32_t>(flipped)}));
+  EXPECT_EQ(flat.error().message, "The pins of vertices " + std::to_string(t[0]) + ", " +
+                                      std::to_string(t[1]) + " and " + std::to_string(t[2]) +
+                                      " flip triangle " + std::to_string(flipped) + ".");
 }
 
 // Twelve upright triangles round one vertex, which they wind round twice.
