@@ -281,6 +281,27 @@ void PutCore(const Seeds& seeds) {
   }
 }
 
+// Texts as people write them.
+void PutTexts(const Seeds& seeds) {
+  seeds.Put(
+      "track_file", "plain",
+      "{\"w\":1000,\"handles\":[{\"name\":\"a\",\"rest\":[0,10],\"triangle\":0,\"bary\":[0.5,0.5,0]"
+      "},{\"rest\":[5,1],\"vertex\":3}],\"frames\":[{\"kind\":\"x\",\"targets\":[[0,10],null]},{"
+      "\"targets\":[[0,1]],\"angles\":[0.5,null],\"scales\":[2]}],\"rigidity\":[1,2]}");
+  seeds.Put("track_file", "edits",
+            "{\"handles\":[{\"name\":\"a\",\"rest\":[0,0],\"hard\":true,\"depth\":1}],\"frames\":[{"
+            "\"targets\":[null]},{\"targets\":[]}],\"edits\":[{\"frame\":1,\"remove\":[\"a\"],"
+            "\"add\":[{\"name\":\"a\",\"rest\":[1,2],\"snap\":true}]}]}");
+  seeds.Put("track_file", "wrong",
+            "{\"handles\":[{\"rest\":[0,0]}],\r\n\"frames\":[{\"targets\":[[0,\"x\"]]}]}");
+  seeds.Put("lists", "seams", "# back\n1 2 3\r\n4 5\r6 7 # end\n");
+  seeds.Put("lists", "pins", "1 0 0\n2 1.5 -2e1 100\n");
+  seeds.Put("lists", "rigidity", "1\n2\n3\n1e6\n");
+  seeds.Put("lists", "json", "[1, 2, 3, 4]");
+  seeds.Put("lists", "pairs", "[[0, 1], [2, 3]]");
+  seeds.Put("lists", "report", "{\"cut_edges\": [[0, 1]], \"x\": {\"a\": [true, null, \"\\\"\"]}}");
+}
+
 }  // namespace
 }  // namespace arap::fuzz
 
@@ -297,5 +318,6 @@ int main(int argc, char** argv) {
   arap::fuzz::PutJobs(seeds);
   arap::fuzz::PutCore(seeds);
   arap::fuzz::PutPolicy(seeds);
+  arap::fuzz::PutTexts(seeds);
   seeds.Put("server", "info", arap::fuzz::Call(0, arap::v1::GetServerInfoRequest()));
 }

@@ -30,18 +30,29 @@ void CoreFlatten(const std::uint8_t* data, std::size_t size);
 // The rules of a stream without the wire: messages, ends of jobs and writes, and time in any order.
 void Policy(const std::uint8_t* data, std::size_t size);
 
+// Texts of arapctl: TRACK.json; and one that is read as seams, as pins and as rigidity.
+void TrackFile(const std::uint8_t* data, std::size_t size);
+void Lists(const std::uint8_t* data, std::size_t size);
+
 struct FuzzTarget {
   const char* name;  // of the corpus too
   void (*run)(const std::uint8_t* data, std::size_t size);
 };
 
 inline constexpr FuzzTarget kTargets[] = {
-    {"session", Session},        {"mesh", Mesh},
-    {"handles", Handles},        {"deform", Deform},
-    {"flatten", Flatten},        {"server", Server},
-    {"stream", Stream},          {"track", Track},
-    {"core_deform", CoreDeform}, {"core_flatten", CoreFlatten},
+    {"session", Session},
+    {"mesh", Mesh},
+    {"handles", Handles},
+    {"deform", Deform},
+    {"flatten", Flatten},
+    {"server", Server},
+    {"stream", Stream},
+    {"track", Track},
+    {"core_deform", CoreDeform},
+    {"core_flatten", CoreFlatten},
     {"policy", Policy},
+    {"track_file", TrackFile},
+    {"lists", Lists},
 };
 
 }  // namespace arap::fuzz
