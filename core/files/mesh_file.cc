@@ -30,7 +30,7 @@ Result<SurfaceFile> ReadSurfaceFile(const std::string& path) {
     return Fail(FaultKind::kInvalidOption,
                 path + ": not a mesh file: the name ends neither in .obj nor in .off");
   }
-  TRY(std::string text, ReadTextFile(path));
+  TRY(std::string text, ReadBytes(path));
   return ending == ".obj" ? ParseObj(std::move(text), path) : ParseOff(text, path);
 }
 

@@ -47,6 +47,7 @@ bool ObjStatements::Next() {
     }
     if (!pending_.empty()) {
       Begin(pending_);
+      leads_line_ = false;
       pending_ = {};
       return true;
     }
@@ -58,6 +59,7 @@ bool ObjStatements::Next() {
     const std::string_view word = scanner_.Word(/*continued=*/true);
     if (!word.empty()) {
       Begin(word);
+      leads_line_ = true;
       return true;
     }
     if (!scanner_.NextLine()) return false;

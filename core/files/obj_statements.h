@@ -36,8 +36,9 @@ class ObjStatements {
   // The keyword as it is written, and where.
   std::string_view word() const { return word_; }
   std::size_t begin() const { return begin_; }
-  // Where the line begins that it is on; where a line may be put before it.
+  // Where the line begins that it is on, and whether it is the first on it.
   std::size_t line_begin() const { return line_begin_; }
+  bool leads_line() const { return leads_line_; }
 
   // The next argument; empty after the last one.
   std::string_view Argument();
@@ -55,7 +56,7 @@ class ObjStatements {
   ObjKeyword keyword_ = ObjKeyword::kOther;
   std::string_view word_;
   std::size_t begin_ = 0, line_begin_ = 0, at_ = 0;
-  bool started_ = false;
+  bool started_ = false, leads_line_ = false;
   std::string_view pending_;  // the keyword of a next statement on this line
 };
 

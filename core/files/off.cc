@@ -112,10 +112,10 @@ class OffReader {
 
   Status ReadBody(OffLayout layout) {
     file_.mesh.vertices.reserve(vertices_);
-    for (std::size_t v = 0; v < vertices_; ++v) CHECK_OK(ReadVertex(layout, v));
+    while (file_.mesh.vertices.size() < vertices_) CHECK_OK(ReadVertex(layout));
     file_.first_corner.reserve(faces_ + 1);
     file_.face_lines.reserve(faces_);
-    for (std::size_t f = 0; f < faces_; ++f) CHECK_OK(ReadFace(layout, f));
+    while (file_.face_count() < faces_) CHECK_OK(ReadFace(layout));
     if (const std::string_view word = NextWord(); !word.empty()) {
       return Bad(
           fmt::format("{}: the file goes on behind the {} vertices and {} faces that the "
@@ -138,12 +138,11 @@ class OffReader {
   }
 
   // Another one of the same.
-  Result<std::string_view> LaterWord(OffLayout layout, std::string_view what, std::size_t index) {
+  Result<std::string_view> LaterWord(OffLayout layout, std::size_t wanted, const char* what) {
     const std::string_view word = layout == OffLayout::kLines ? scanner_.Word() : NextWord();
-    if (word.empty()) {
-      return Bad(fmt::format("{} {} ends too early after {}", what, index, Quoted(last_word_)));
-    }
-    return last_word_ = word;
+    if (!word.empty()) return last_word_ = word;
+    return Bad(
+        fmt::format("{} is the last word, {} {} are wanted", Quoted(last_word_), wanted, what));
   }
 
   Result<double> ReadNumber(std::string_view word) const {
@@ -152,12 +151,12 @@ class OffReader {
     return number;
   }
 
-  Status ReadVertex(OffLayout layout, std::size_t index) {
+  Status ReadVertex(OffLayout layout) {
     Point3 point{};
     TRY(std::string_view word, FirstWord(vertices_));
     for (std::size_t k = 0; k < point.size(); ++k) {
       if (k > 0) {
-        TRY(word, LaterWord(layout, "vertex", index));
+        TRY(word, LaterWord(layout, 3, "numbers of a vertex"));
       }
       TRY(point[k], ReadNumber(word));
     }
@@ -165,7 +164,7 @@ class OffReader {
     return layout == OffLayout::kLines ? PassExtras(kMostVertexExtras) : Status();
   }
 
-  Status ReadFace(OffLayout layout, std::size_t index) {
+  Status ReadFace(OffLayout layout) {
     TRY(const std::string_view first, FirstWord(faces_));
     const std::size_t line = scanner_.line();
     TRY(const std::size_t corners, ReadCount(first));
@@ -173,7 +172,7 @@ class OffReader {
       return Bad(fmt::format("{}: a face has three corners or more", Quoted(first)));
     }
     for (std::size_t k = 0; k < corners; ++k) {
-      TRY(const std::string_view word, LaterWord(layout, "face", index));
+      TRY(const std::string_view word, LaterWord(layout, corners, "corners of a face"));
       const Result<std::int64_t> vertex = ParseWhole(word);
       if (!vertex) return Bad(vertex.error().message);
       if (*vertex < 0 || static_cast<std::size_t>(*vertex) >= vertices_) {

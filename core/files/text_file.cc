@@ -27,11 +27,9 @@ auto CannotBeWritten(const std::string& path, std::string_view reason) {
   return Fail(FaultKind::kInvalidOption, fmt::format("cannot write {}: {}", path, reason));
 }
 
-constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-
 }  // namespace
 
-Result<std::string> ReadTextFile(const std::string& path) {
+Result<std::string> ReadBytes(const std::string& path) {
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
@@ -41,9 +39,18 @@ Result<std::string> ReadTextFile(const std::string& path) {
         errno != 0 ? std::generic_category().message(errno) : "nothing to read";
     return Fail(FaultKind::kNotFound, fmt::format("{}: {}", path, reason));
   }
-  std::string whole = std::move(text).str();
-  if (whole.starts_with(kByteOrderMark)) whole.erase(0, kByteOrderMark.size());
-  return whole;
+  return std::move(text).str();
+}
+
+Result<std::string> ReadTextFile(const std::string& path) {
+  TRY(std::string text, ReadBytes(path));
+  text.erase(0, text.size() - WithoutByteOrderMark(text).size());
+  return text;
+}
+
+std::string_view WithoutByteOrderMark(std::string_view text) {
+  constexpr std::string_view kMark = "\xef\xbb\xbf";
+  return text.substr(text.starts_with(kMark) ? kMark.size() : 0);
 }
 
 Status WriteTextFile(const std::string& path, std::string_view text) {

@@ -10,9 +10,11 @@
 
 namespace arap {
 
-// Without the byte order mark of UTF-8 that some programs begin their files with. kNotFound with the
-// path and the system's reason.
+// The bytes of a file. kNotFound with the path and the system's reason.
+Result<std::string> ReadBytes(const std::string& path);
+// The same without the byte order mark of UTF-8 that some programs begin their files with.
 Result<std::string> ReadTextFile(const std::string& path);
+std::string_view WithoutByteOrderMark(std::string_view text);
 // kInternal with the path and the system's reason; what was there before is then still there.
 Status WriteTextFile(const std::string& path, std::string_view text);
 // Whether a file could be written there now, as far as folders and permissions say. Makes and

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "core/files/text_file.h"
+
 namespace arap {
 namespace {
 
@@ -15,7 +17,6 @@ bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 bool EndsLine(char c) { return c == '\n' || c == '\r'; }
 
 constexpr std::size_t kLongestNumber = 100;  // that is looked at once more
-constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 tl::unexpected<Fault> Bad(std::string message) {
   return Fail(FaultKind::kInvalidOption, std::move(message));
@@ -57,9 +58,8 @@ tl::unexpected<Fault> NoNumber(std::string_view word) {
 
 }  // namespace
 
-TextScanner::TextScanner(std::string_view text) : text_(text) {
-  if (text_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
-}
+TextScanner::TextScanner(std::string_view text)
+    : text_(text), at_(text.size() - WithoutByteOrderMark(text).size()) {}
 
 bool TextScanner::BackslashEndsLine(std::size_t at) const {
   if (text_[at] != '\\') return false;

@@ -14,13 +14,26 @@
 #include "core/drawing/comparison.h"
 #include "core/drawing/pattern.h"
 #include "core/files/mesh_file.h"
+#include "core/files/obj_layout.h"
 #include "core/files/text_file.h"
 
 namespace arap::cli {
 namespace {
 
+// The surface with its layout, as --out and --vt want it.
+Status WriteSurface(const FlattenFlags& flags, const SurfaceFile& file, const Flattening& flat) {
+  if (flags.out.empty()) return {};
+  const bool unit = flags.vt == FlattenFlags::Vt::kUnit;
+  std::vector<Warning> warnings;
+  const std::string text =
+      FormatLayout(file, unit ? InUnitSquare(flat.uv) : flat.uv, flat.corner_uv, warnings);
+  PrintWarnings(warnings);
+  return WriteTextFile(flags.out, text);
+}
+
 Status WriteLayout(const FlattenFlags& flags, const std::vector<GrainLine>& grain,
-                   const SurfaceMesh& mesh, const Counting& counting, client::FlatSurface answer) {
+                   const SurfaceFile& file, const Counting& counting, client::FlatSurface answer) {
+  const SurfaceMesh& mesh = file.mesh;
   const Flattening& flat = answer.flat;
   const DrawingFlags& drawing = flags.drawing;
   PatternOptions options;
@@ -39,9 +52,7 @@ Status WriteLayout(const FlattenFlags& flags, const std::vector<GrainLine>& grai
   const std::vector<std::string> summary = Summary(mesh, flat, pattern);
   for (const std::string& line : summary) fmt::print("{}\n", line);
   CHECK_OK(WriteDrawings(drawing, pattern, summary));
-  if (!flags.out.empty()) {
-    CHECK_OK(WriteTextFile(flags.out, FormatObj(mesh, flat.uv, flat.corner_uv)));
-  }
+  CHECK_OK(WriteSurface(flags, file, flat));
   if (flags.report.empty()) return {};
   return WriteTextFile(flags.report, JsonReport(mesh, answer, pattern, flags.sigma));
 }
@@ -83,7 +94,7 @@ Status Flatten(const FlattenFlags& flags) {
                        : FlattenAsJob(connection.client(), mesh, query, flags.timeout.value(),
                                       flags.job.substr(0, slash), flags.job.substr(slash + 1)),
                    origins));
-    CHECK_OK(WriteLayout(flags, query.options.grain_lines, mesh, counting, std::move(answer)));
+    CHECK_OK(WriteLayout(flags, query.options.grain_lines, file, counting, std::move(answer)));
   }
   return flags.compare.empty() ? Status()
                                : Compare(flags, query, mesh, connection.client(), origins);

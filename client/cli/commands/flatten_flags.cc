@@ -20,7 +20,15 @@ namespace {
 
 void AddOutputs(CLI::App& command, FlattenFlags& flags) {
   auto* const outputs = command.add_option_group("Output", "what to write, at least one");
-  AddOutput(*outputs, "--out", flags.out, "the surface with flat positions as vt", "FILE.obj");
+  auto* const out = AddOutput(
+      *outputs, "--out", flags.out,
+      "the surface with flat positions as vt; the rest of an OBJ file is kept", "FILE.obj");
+  AddChoice<FlattenFlags::Vt>(
+      *outputs, "--vt", flags.vt,
+      {{"true", FlattenFlags::Vt::kTrue}, {"unit", FlattenFlags::Vt::kUnit}},
+      "the size of the layout in --out: true, in units of the surface; or unit, all pieces scaled "
+      "alike into 0 to 1; default true")
+      ->needs(out);
   AddOutput(*outputs, "--svg", flags.drawing.svg,
             "the pieces at true size, each triangle coloured by its larger principal strain",
             "FILE.svg");

@@ -56,6 +56,8 @@ struct FlattenFlags {
   // Files to read; empty: none.
   std::string seams, pins, rigidity;
   std::vector<std::string> grain;
+  enum class Vt { kTrue, kUnit };
+  Vt vt = Vt::kTrue;   // how large the layout in `out` is
   bool sigma = false;  // every triangle in the report
   Timeout timeout;
   std::string job;  // SESSION/JOB; empty: a call

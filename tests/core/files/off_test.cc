@@ -174,10 +174,11 @@ TEST(Off, FaultsNameTheLineAndTheWord) {
       {"OFF BINARY\n", "a:1: 'BINARY': only texts are read"},
       {"OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n", "a: no faces"},
       {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3000000000 0 1 2\n",
-       "a:6: face 0 ends too early after '2'"},
+       "a:6: '2' is the last word, 3000000000 corners of a face are wanted"},
       {"OFF\n4 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
        "a:2: '1': the header claims 4 vertices and 1 faces, the file ends after 4 and 0"},
-      {"OFF\n3 1 0\n0 0 0\n1 0\n0 1 0\n3 0 1 2\n", "a:4: vertex 1 ends too early after '0'"},
+      {"OFF\n3 1 0\n0 0 0\n1 0\n0 1 0\n3 0 1 2\n",
+       "a:4: '0' is the last word, 3 numbers of a vertex are wanted"},
       {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 1 2 3 4 5\n", "a:6: '5' is one number too many"},
       {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0 red\n3 0 1 2\n", "a:5: 'red' is not a number"},
   };

@@ -1,0 +1,26 @@
+// The text of an OBJ file with a flat layout in it.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "arap/model/mesh.h"
+#include "core/files/surface_file.h"
+
+namespace arap {
+
+// The text that the surface was read from, byte by byte, but for texture coordinates: a vt for each
+// flat position in `uv` (#U) where the first one was, or else before the first face, and in every
+// corner of a face the one that `corner_uv` (#F) has for it. The old vt lines are gone, and so are
+// the indices of lines (l) into them. Faces that the layout is cut across cannot be kept: they are
+// written as their triangles, and `warnings` gets one that says how many. A surface of another
+// format is written as FormatObj writes its mesh.
+std::string FormatLayout(const SurfaceFile& file, std::span<const Complex> uv,
+                         std::span<const Triangle> corner_uv, std::vector<Warning>& warnings);
+
+// The positions moved and scaled alike, so that the larger side of the box around them goes from 0
+// to 1. Positions without an extent become 0.
+std::vector<Complex> InUnitSquare(std::span<const Complex> uv);
+
+}  // namespace arap
