@@ -302,6 +302,31 @@ void PutTexts(const Seeds& seeds) {
   seeds.Put("lists", "report", "{\"cut_edges\": [[0, 1]], \"x\": {\"a\": [true, null, \"\\\"\"]}}");
 }
 
+void PutFiles(const Seeds& seeds) {
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  seeds.Put("obj", "triangles", square + "f 1 2 3\nf 1 3 4\n");
+  seeds.Put("obj", "corners",
+            square +
+                "vt 0 0\nvn 0 0 1\nf 1/1 2/1 3/1\nf 1//1 3//1 4//1\nf -4/-1/-1 "
+                "-3/1/1 -2/1/1\n");
+  seeds.Put("obj", "polygons",
+            square + "v 0.5 0.25\nf 1 2 3 4\nf 1 5 2 3 4\nf 1 2 2 3 4 1\nf 1 3 2 4\n");
+  seeds.Put("obj", "parts",
+            "# c\nmtllib a.mtl\no A\n" + square +
+                "g a b\nusemtl m\ns 1\nf 1 2 3\no B\ng\nf 1 3 4\nl 1/1 2/1\n");
+  seeds.Put("obj", "lines",
+            "\xef\xbb\xbfv 0 \\\r\n 0\r\nv 1 0 # x\rv 1 1 0 1 v 0 1 0 1 0.5 0 vt 3 "
+            "3 f 1 2 3\ncurv 1 \\\n2");
+  seeds.Put("obj", "numbers", "v +1.5e3 -.5 1e-400\nv 1e999 0,5 nan\n");
+  const std::string tail = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+  seeds.Put("off", "triangles", "OFF\n4 2 0\n" + tail + "3 0 1 2\n3 0 2 3\n");
+  seeds.Put("off", "polygon", "off4 1\n# c\n" + tail + "4 0 1 2 3 0.5 1 0\n");
+  seeds.Put("off", "colours",
+            "COFF 3 1 3\r\n0 0 0 9 9 9 9\r\n1 0 0 9 9 9 9\r0 1 0 9 9 9 9\n3 0 1 2 7");
+  seeds.Put("off", "anywhere", "3 1 0 0 0 0 1 0 0 0 1 0 3 0 1 2");
+  seeds.Put("off", "claims", "OFF\n2000000000 1 0\n" + tail + "3000000000 0 1 2\n");
+}
+
 }  // namespace
 }  // namespace arap::fuzz
 
@@ -319,5 +344,6 @@ int main(int argc, char** argv) {
   arap::fuzz::PutCore(seeds);
   arap::fuzz::PutPolicy(seeds);
   arap::fuzz::PutTexts(seeds);
+  arap::fuzz::PutFiles(seeds);
   seeds.Put("server", "info", arap::fuzz::Call(0, arap::v1::GetServerInfoRequest()));
 }

@@ -27,6 +27,10 @@ void Track(const std::uint8_t* data, std::size_t size);
 void CoreDeform(const std::uint8_t* data, std::size_t size);
 void CoreFlatten(const std::uint8_t* data, std::size_t size);
 
+// The texts of mesh files, read; written with a layout, and read again.
+void Obj(const std::uint8_t* data, std::size_t size);
+void Off(const std::uint8_t* data, std::size_t size);
+
 // The rules of a stream without the wire: messages, ends of jobs and writes, and time in any order.
 void Policy(const std::uint8_t* data, std::size_t size);
 
@@ -53,6 +57,8 @@ inline constexpr FuzzTarget kTargets[] = {
     {"policy", Policy},
     {"track_file", TrackFile},
     {"lists", Lists},
+    {"obj", Obj},
+    {"off", Off},
 };
 
 }  // namespace arap::fuzz
