@@ -66,8 +66,8 @@ struct PartName {
   bool changed = false;
   std::uint32_t number = 0;  // in the file's list of names, unless it has changed
 
-  void Set(std::string name) {
-    text = std::move(name);
+  void Set(std::string_view name) {
+    text = name;
     changed = true;
   }
 };
@@ -185,8 +185,9 @@ class ObjReader {
       parts[i] = rest.substr(0, slash);
       rest = slash == std::string_view::npos ? std::string_view() : rest.substr(slash + 1);
     }
-    if (!rest.empty())
+    if (!rest.empty()) {
       return Bad(fmt::format("{} is no corner: it has more than three indices", Quoted(word)));
+    }
     for (std::size_t i = 1; i < parts.size(); ++i) {
       if (parts[i].empty()) continue;
       TRY(const std::int64_t index, Index(word, parts[i]));
@@ -195,8 +196,9 @@ class ObjReader {
       if (!Resolved(index, so_far, all)) references_.Add(statements_.line(), word);
     }
     TRY(const std::int64_t index, Index(word, parts[0]));
-    if (index == 0)
+    if (index == 0) {
       return Bad(fmt::format("{}: there is no vertex 0, they count from 1", Quoted(word)));
+    }
     const auto vertex = Resolved(index, file_.mesh.vertices.size(), all_.vertices);
     if (vertex) return *vertex;
     if (index > 0) {

@@ -12,8 +12,10 @@ bool IsGeometry(std::string_view word) {
 }
 bool IsGeometry(ObjKeyword keyword) { return keyword <= ObjKeyword::kFace; }
 
-bool NamesFiles(std::string_view word) {
-  constexpr std::array<std::string_view, 4> kWords{"mtllib", "usemtl", "maplib", "usemap"};
+// Names of files, materials and parts, which may end with a backslash.
+bool IsName(std::string_view word) {
+  constexpr std::array<std::string_view, 6> kWords{"o",      "g",      "mtllib",
+                                                   "usemtl", "maplib", "usemap"};
   return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
 }
 
@@ -28,7 +30,7 @@ ObjKeyword KeywordOf(std::string_view word) {
   constexpr std::array<std::string_view, 9> kOthers{
       "s", "p", "mg", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj"};
   const bool known =
-      NamesFiles(word) || std::find(kOthers.begin(), kOthers.end(), word) != kOthers.end();
+      IsName(word) || std::find(kOthers.begin(), kOthers.end(), word) != kOthers.end();
   return known ? ObjKeyword::kOther : ObjKeyword::kUnknown;
 }
 
@@ -68,23 +70,13 @@ bool ObjStatements::Next() {
 
 std::string_view ObjStatements::Argument() {
   if (!pending_.empty()) return {};
-  const std::string_view word = scanner_.Word(!NamesFiles(word_));
+  const std::string_view word = scanner_.Word(!IsName(word_));
   if (IsGeometry(keyword_) && IsGeometry(word)) {
     pending_ = word;
     return {};
   }
   if (!word.empty()) at_ = scanner_.at();
   return word;
-}
-
-std::string ObjStatements::Name() {
-  std::string name(scanner_.Rest());
-  while (name.ends_with('\\')) {
-    name.pop_back();
-    if (!scanner_.NextLine()) break;
-    name += scanner_.Rest();
-  }
-  return name;
 }
 
 }  // namespace arap

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 #include <string_view>
 
 #include "core/files/text_scan.h"
@@ -22,9 +21,9 @@ enum class ObjKeyword : unsigned char {
 };
 
 // Goes through a text once. A statement is a keyword with its arguments; a backslash at the end of
-// a line joins the next one to it, but in comments and after names of files and materials, where it
-// is more often the end of a path. The keywords v, vt, vn and f also begin a statement in the middle
-// of a line of one of them. The text must outlive it.
+// a line joins the next one to it, but in comments and behind names (o, g, materials and their
+// files), where it is more often the end of a path. The keywords v, vt, vn and f also begin a
+// statement in the middle of a line of one of them. The text must outlive it.
 class ObjStatements {
  public:
   explicit ObjStatements(std::string_view text) : scanner_(text) {}
@@ -42,8 +41,8 @@ class ObjStatements {
 
   // The next argument; empty after the last one.
   std::string_view Argument();
-  // What is left of the statement, with every # in it, as a name.
-  std::string Name();
+  // All that is left of the line, as a name.
+  std::string_view Name() { return scanner_.Rest(); }
 
   // The line of the word that was read last, from 1, and the offset behind that word.
   std::size_t line() const { return scanner_.line(); }

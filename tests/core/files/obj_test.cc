@@ -87,7 +87,7 @@ const std::vector<Oddity>& Oddities() {
        }},
       {"parts", "between",
        [](Draft& d) {
-         Put(d.between, {"mtllib a b.mtl", "o Sheet #1", "g a b", "usemtl x\\", "s 1"});
+         Put(d.between, {"mtllib a b.mtl", "o Sheet # \\", "g a\\", "usemtl x\\", "s 1"});
        }},
       {"lines_and_points", "after",
        [](Draft& d) {
