@@ -11,6 +11,7 @@
 
 #include "core/base/try.h"
 #include "core/files/off.h"
+#include "core/files/plane_fit.h"
 
 namespace arap {
 namespace {
@@ -44,20 +45,13 @@ Result<PlanarMesh> ReadPlanarMesh(const std::string& path, std::vector<Warning>*
   if (notes != nullptr) {
     std::move(file.warnings.begin(), file.warnings.end(), std::back_inserter(*notes));
   }
-  SurfaceMesh& surface = file.mesh;
-  PlanarMesh mesh;
-  for (std::size_t v = 0; v < surface.vertices.size(); ++v) {
-    const Point3& p = surface.vertices[v];
-    const double z = surface.vertices.front()[2];
-    if (p[2] != z) {
-      return Fail(FaultKind::kInvalidOption,
-                  fmt::format("{}: not in the plane: vertex {} has z = {}, vertex 0 has {}", path,
-                              v, p[2], z));
-    }
-    mesh.vertices.emplace_back(p[0], p[1]);
+  auto fit = FitPlane(std::move(file.mesh));
+  if (!fit) {
+    fit.error().message = path + ": " + fit.error().message;
+    return Fail(std::move(fit.error()));
   }
-  mesh.triangles = std::move(surface.triangles);
-  return mesh;
+  if (notes != nullptr) notes->insert(notes->end(), fit->notes.begin(), fit->notes.end());
+  return std::move(fit->mesh);
 }
 
 ShapesFile::ShapesFile(const std::string& path, std::size_t vertex_count) : file_(path) {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -133,6 +134,44 @@ TEST_F(Bake, LostMarkersKeepTheirLastTarget) {
                                        "\"b\" in frame 1"));
     EXPECT_EQ(Slurp(Path("lost.csv")), Slurp(Path("whole.csv"))) << command;
   }
+}
+
+TEST_F(Bake, APuppetMayLieInAnyPlane) {
+  const auto bar = [](const char* vertex) {
+    std::string text;
+    for (int y = 0; y < 3; ++y) {
+      for (int x = 0; x < 9; ++x) {
+        text += fmt::format(fmt::runtime(vertex), 10 * x, 10 * y, (x * 7 + y * 5) % 11) + '\n';
+      }
+    }
+    for (int y = 0; y < 2; ++y) {
+      for (int x = 1; x < 9; ++x) {
+        const int v = 9 * y + x;
+        text += fmt::format("f {0} {1} {2}\nf {0} {2} {3}\n", v, v + 1, v + 10, v + 9);
+      }
+    }
+    return text;
+  };
+  // Its handle on the end of the bar lies 8e-8 outside.
+  const std::string track =
+      Put("t.json",
+          R"({"handles": [{"name": "a", "rest": [0, 10]}, {"name": "b", "rest": [80.00000008, 10]}],
+                        "frames": [{"targets": [[0, 10], [60, 50]]}]})");
+  const auto bake = [&](const char* vertex, const std::string& note) {
+    const Outcome outcome = Arapctl(
+        {"bake", Put("bar.obj", bar(vertex)), track, "--spawn", "--out", Path("shapes.csv")});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    if (note.empty()) {
+      EXPECT_EQ(outcome.err, "");
+    } else {
+      EXPECT_THAT(outcome.err, HasSubstr(note));
+    }
+    return Slurp(Path("shapes.csv"));
+  };
+  const std::string flat = bake("v {0} {1} 0", "");
+  EXPECT_EQ(bake("v {0} 5 {1}", "plane of x and z"), flat);
+  EXPECT_EQ(bake("v 5 {0} {1}", "plane of y and z"), flat);
+  EXPECT_EQ(bake("v {0} {1} {2}e-8", "z differs by 1e-07"), flat);
 }
 
 TEST_F(Bake, DragEveryAnswersEveryUpdate) {

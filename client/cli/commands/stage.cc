@@ -17,7 +17,8 @@
 namespace arap::cli {
 
 void AddStageOptions(CLI::App& command, StageOptions& options, bool out_required) {
-  command.add_option("MESH", options.mesh, "the mesh: an OBJ or OFF file in the plane")->required();
+  command.add_option("MESH", options.mesh, "the mesh: an OBJ or OFF file, in any plane")
+      ->required();
   command.add_option("TRACK", options.track, "the handles and their frames: TRACK.json")
       ->required();
   AddServerFlags(command, options.server);
