@@ -17,6 +17,8 @@ namespace arap {
 namespace {
 
 constexpr double kBarycentricTolerance = 1e-6;
+// Handles so little outside the mesh count as on its border: files round what they hold. Normalised.
+constexpr double kBorderTolerance = 1e-6;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A handle with its place in the request, for faults: "handles[3]", "add[0]".
@@ -194,13 +196,15 @@ class Placer {
     }
     if (const auto found = finder_.At(p)) return Seat{found->triangle, found->barycentric, 0};
     const Located near = NearestOnBoundary(mesh_.rest, mesh_.mesh.triangles, mesh_.topology, p);
+    if (near.distance <= kBorderTolerance) return Seat{near.triangle, near.barycentric, 0};
     if (named.handle.outside == Outside::kSnap) {
       return Seat{near.triangle, near.barycentric, near.distance};
     }
     const double distance = near.distance * mesh_.report.diagonal;
     return Fail(named
                     .Bad(FaultKind::kHandleOutside, field,
-                         fmt::format("Handle \"{}\" at ({}, {}) lies outside the mesh by {}.",
+                         fmt::format("Handle \"{}\" at ({}, {}) lies outside the mesh by {}; with "
+                                     "snap it goes to the nearest point of the border.",
                                      named.handle.id, anchor.position.real(),
                                      anchor.position.imag(), distance))
                     .Detail("distance", distance));

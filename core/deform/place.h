@@ -45,7 +45,7 @@ struct Placement {
 
 // Finds the handles on the mesh, in their order. The first that is not acceptable is the fault,
 // with the field "array[i]…" and its number: kInvalidOption, kIndexOutOfRange, kHandleOutside
-// (detail "distance"); kTooManyHandles when they have, with `kept` other rows, more than MostRows of
+// (detail "distance"; a point within 1e-6 of the diagonal outside counts as on the border); kTooManyHandles when they have, with `kept` other rows, more than MostRows of
 // the mesh; that of `cancel`, asked handle by handle. O(#F) for all together, and O(#E) for
 // every one that is snapped.
 Result<std::vector<Placement>> PlaceHandles(const RegisteredMeshParts& mesh,

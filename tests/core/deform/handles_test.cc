@@ -70,6 +70,17 @@ TEST(HandlesTest, NamesEveryFault) {
   EXPECT_EQ(CompileFault(mesh, {heavy}).kind, FaultKind::kInvalidOption);
 }
 
+TEST(HandlesTest, AHairOutsideCountsAsOnTheBorder) {
+  const PlanarMesh mesh = Grid(4, 4, 4, 4);  // with a diagonal of 5.66
+  const auto set = Compile(Register(mesh), {AtPoint("near", {4 + 5e-6, 2})});
+  EXPECT_LE(std::abs(set->handles()[0].rest - Complex(4, 2)), 1e-12);
+  EXPECT_EQ(set->handles()[0].snapped_distance, 0);
+  EXPECT_TRUE(set->warnings().empty() || set->warnings()[0].kind != "snapped_handles");
+  const Fault outside = CompileFault(mesh, {AtPoint("far", {4 + 6e-6, 2})});
+  EXPECT_EQ(outside.kind, FaultKind::kHandleOutside);
+  EXPECT_THAT(outside.message, HasSubstr("with snap"));
+}
+
 TEST(HandlesTest, EveryNumberIsWithinItsBounds) {
   const PlanarMesh mesh = Grid(4, 4, 4, 4);
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
