@@ -1,4 +1,7 @@
 // arapctl: the command line of arapd.
+#include <algorithm>
+#include <utility>
+
 #include <CLI/CLI.hpp>
 
 #include "client/cli/commands/commands.h"
@@ -22,7 +25,10 @@ int main(int argc, char** argv) {
   arap::cli::AddSample(app, run);
   arap::cli::AddFigures(app, run);
   try {
-    app.parse(argc, argv);
+    auto words = arap::cli::Joined({argv + 1, argv + argc});
+    // CLI11 takes the words from the end.
+    std::reverse(words.begin(), words.end());
+    app.parse(std::move(words));
   } catch (const CLI::ParseError& error) {
     // --help and --version come here too, as success.
     return app.exit(error) == 0 ? arap::cli::kOk : arap::cli::kUsage;

@@ -113,12 +113,15 @@ Status CheckChart(const FlatChart& chart, std::size_t positions, std::size_t tri
   return CheckDistortion(chart.distortion, triangles);
 }
 
-// Each corner of the layout is a copy of the vertex that it has in the mesh.
+// Each corner of the layout is a copy of the vertex that it has in the mesh, or of the one that stands
+// for it.
 Status CheckCorners(const Flattening& flat, const SurfaceMesh& mesh) {
   for (std::size_t t = 0; t < flat.corner_uv.size(); ++t) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t corner = flat.corner_uv[t][k];
-      if (corner < flat.source.size() && flat.source[corner] == mesh.triangles[t][k]) continue;
+      const std::uint32_t v = mesh.triangles[t][k];
+      const std::uint32_t wanted = v < flat.welded.size() ? flat.welded[v] : v;
+      if (corner < flat.source.size() && flat.source[corner] == wanted) continue;
       return Bad(
           "The server answered a layout in which corner {} of triangle {} is not its vertex.", k,
           t);
@@ -139,6 +142,9 @@ Status CheckLayout(const Flattening& flat, const SurfaceMesh& mesh, const Flatte
     if (flat.source[v] != v)
       return Bad("The server answered flat position {} out of its place.", v);
   }
+  const bool welded = query.options.cut.repair.weld && !flat.welded.empty();
+  CHECK_OK(CheckCount(flat.welded.size(), welded ? vertices : 0, "welded vertices"));
+  CHECK_OK(CheckIndices(flat.welded, vertices, "vertex"));
   CHECK_OK(CheckCount(flat.corner_uv.size(), triangles, "flat triangles"));
   CHECK_OK(CheckCorners(flat, mesh));
   CHECK_OK(CheckFinite(flat.uv, "the flat position"));
@@ -225,6 +231,7 @@ Result<MeshInfo> FromWire(const v1::MeshInfo& mesh, const std::string& mesh_id,
   out.content_hash = mesh.content_hash();
   out.report = convert::ReportFromWire(mesh);
   if (auto energy = convert::FromWire(mesh.energy(), EnergyOptions{})) out.energy = *energy;
+  out.repairs = convert::FromWire(mesh.repair());
   return out;
 }
 

@@ -84,11 +84,12 @@ Status Session::Delete(const CallOptions& call) const {
 }
 
 Result<Registration> Session::RegisterMesh(const PlanarMesh& mesh, const EnergyOptions& energy,
-                                           const std::string& mesh_id,
-                                           const CallOptions& call) const {
+                                           const std::string& mesh_id, const CallOptions& call,
+                                           const RepairOptions& repairs) const {
   auto request = OfMesh<v1::RegisterMeshRequest>(id_, mesh_id);
   ToWire(mesh, request.mutable_mesh());
   ToWire(energy, request.mutable_energy());
+  if (repairs != RepairOptions{}) ToWire(repairs, request.mutable_repair());
   TRY(const v1::RegisterMeshResponse response,
       Call(channel_->deformation(), &Stub::RegisterMesh, request, kWork, call, id_));
   TRY(auto info, FromWire(response.mesh(), mesh_id, &mesh));

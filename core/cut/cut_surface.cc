@@ -12,6 +12,7 @@
 #include "core/cut/cut_graph.h"
 #include "core/cut/pieces.h"
 #include "core/cut/shorten.h"
+#include "core/mesh/defects.h"
 #include "core/mesh/gluing.h"
 #include "core/mesh/space.h"
 
@@ -98,11 +99,12 @@ class Cutter {
 
   Result<CutSurface> Run() {
     using Step = Status (Cutter::*)();
-    for (const Step step :
-         {&Cutter::TakeSides, &Cutter::CheckEdges, &Cutter::CheckVertices, &Cutter::CheckAreas,
-          &Cutter::Orient, &Cutter::Part, &Cutter::CheckPieces, &Cutter::Finish}) {
+    for (const Step step : {&Cutter::Mend, &Cutter::TakeSides, &Cutter::CheckEdges,
+                            &Cutter::CheckVertices, &Cutter::CheckAreas, &Cutter::Orient,
+                            &Cutter::Part, &Cutter::CheckPieces, &Cutter::Finish}) {
       CHECK_OK(cancel_.Check());
-      CHECK_OK((this->*step)());
+      auto done = (this->*step)();
+      if (!done) return Fail(Explained(std::move(done.error())));
     }
     return std::move(result_);
   }
@@ -110,15 +112,37 @@ class Cutter {
  private:
   const std::vector<Triangle>& triangles() const { return result_.mesh.triangles; }
 
-  Status TakeSides() {
+  // What is not as surfaces have to be may come of what a repair would mend.
+  Fault Explained(Fault fault) const {
+    fault = result_.repair.OfGiven(std::move(fault));
+    switch (fault.kind) {
+      case FaultKind::kNonManifoldEdge:
+      case FaultKind::kNonManifoldVertex:
+      case FaultKind::kNotOrientable:
+      case FaultKind::kNotADisk:
+        return WithDefects(std::move(fault), result_.warnings);
+      default:
+        return fault;
+    }
+  }
+
+  Status Mend() {
     CHECK_OK(CheckArrays(result_.mesh, limits_));
+    TRY(result_.repair, RepairTriangles(result_.mesh.vertices, result_.mesh.triangles,
+                                        options_.repair, limits_, cancel_));
+    result_.warnings = std::move(result_.repair.warnings);
+    repair_warnings_ = result_.warnings.size();
+    return {};
+  }
+
+  Status TakeSides() {
     sides_ = SortedSides(vertices_, triangles());
     return CheckDuplicates(triangles(), sides_);
   }
 
   // Joins all edges of two triangles but the seams.
   Status CheckEdges() {
-    TRY(auto seams, FindSeams(options_.seams, sides_));
+    TRY(auto seams, FindSeams(result_.repair.OfMended(options_.seams), sides_));
     gluing_ = GlueAll(sides_);
     for (const auto edge : seams.edges) {
       for (const Side& side : edge) gluing_.cut[side.index] = true;
@@ -191,7 +215,34 @@ class Cutter {
   }
 
   Status Orient() {
-    TRY(auto turned, TrianglesToTurn(triangles(), gluing_));
+    auto turned = TrianglesToTurn(triangles(), gluing_);
+    if (!turned && turned.error().kind == FaultKind::kNotOrientable) {
+      if (!options_.auto_cut) {
+        return Fail(Advised(std::move(turned.error()), "give seams or set auto_cut"));
+      }
+      CutOpenOneSided();
+      turned = TrianglesToTurn(triangles(), gluing_);
+    }
+    if (!turned) return Fail(std::move(turned.error()));
+    Turn(*std::move(turned));
+    return {};
+  }
+
+  void CutOpenOneSided() {
+    std::vector<std::uint32_t> ends;
+    for (const std::uint32_t side : CutOneSided(triangles(), gluing_)) {
+      const auto [low, high] =
+          std::minmax({SideStart(triangles(), side), SideEnd(triangles(), side)});
+      one_sided_.push_back({low, high});
+      ends.push_back(low);
+    }
+    AddWarning("one_sided", ends,
+               fmt::format("the surface has one side only and was cut open along {} edges",
+                           one_sided_.size()),
+               result_.warnings);
+  }
+
+  void Turn(std::vector<bool> turned) {
     TurnTriangles(turned, result_.mesh.triangles, gluing_);
     // The seams' sides are numbered anew as well.
     for (Side& side : sides_) {
@@ -201,7 +252,6 @@ class Cutter {
     }
     WarnTurned(turned, result_.warnings);
     result_.turned = std::move(turned);
-    return {};
   }
 
   // Doubles the vertices along what was cut; seams that part nothing become warnings.
@@ -231,6 +281,8 @@ class Cutter {
     const auto pieces = FindPieces(split_.source.size(), split_.triangles, gluing_);
     CHECK_OK(CheckPieceAreas(pieces));
     if (!options_.auto_cut) return CheckPlanar(pieces);
+    result_.cuts.insert(result_.cuts.end(), one_sided_.begin(), one_sided_.end());
+    result_.auto_cuts = one_sided_.size();
     if (std::all_of(pieces.begin(), pieces.end(), [](const Piece& c) { return c.disk(); })) {
       return {};
     }
@@ -240,7 +292,7 @@ class Cutter {
           std::minmax({SideStart(triangles(), side), SideEnd(triangles(), side)});
       result_.cuts.push_back({low, high});
     }
-    result_.auto_cuts = cut.size();
+    result_.auto_cuts += cut.size();
     split_ = Split(vertices_, triangles(), gluing_);
     for (const Piece& piece : FindPieces(split_.source.size(), split_.triangles, gluing_)) {
       if (piece.disk()) continue;
@@ -286,7 +338,12 @@ class Cutter {
   }
 
   Status Finish() {
-    WarnUnreferenced(vertices_, triangles(), result_.warnings);
+    const Repair& repair = result_.repair;
+    for (std::size_t i = repair_warnings_; i < result_.warnings.size(); ++i) {
+      result_.warnings[i] = repair.OfGiven(std::move(result_.warnings[i]));
+    }
+    // Vertices that others stand for are used too.
+    WarnUnreferenced(vertices_, repair.changed() ? repair.given : triangles(), result_.warnings);
     gluing_ = {};
     result_.mesh.triangles = std::move(split_.triangles);
     result_.source = std::move(split_.source);
@@ -301,10 +358,13 @@ class Cutter {
   const CutOptions& options_;
   const MeshLimits& limits_;
   const CancelToken& cancel_;
-  std::size_t vertices_;     // of the input
+  std::size_t vertices_;  // of the input
+  std::size_t repair_warnings_ = 0;
   std::vector<Side> sides_;  // until the vertices are split
   std::vector<std::span<const Side>> seams_;
   std::size_t split_edges_ = 0;
+  std::vector<std::array<std::uint32_t, 2>>
+      one_sided_;  // edges cut because nothing else orients them
   Gluing gluing_;
   SplitVertices split_;
   CutSurface result_;

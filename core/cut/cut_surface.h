@@ -9,6 +9,7 @@
 #include "arap/base/cancel.h"
 #include "arap/base/result.h"
 #include "arap/model/flatten.h"
+#include "core/mesh/repair.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/validation.h"
 
@@ -16,7 +17,11 @@ namespace arap {
 
 // Every component of `mesh` has a boundary and no handles; it may have holes unless auto_cut. No
 // vertex joins parts that touch in nothing else.
+//
+// Triangles are the mended ones where repairs were asked for and changed something, and so is #F; the
+// warnings, and the faults, speak of those that were given.
 struct CutSurface {
+  Repair repair;             // but for its warnings
   SurfaceMesh mesh;          // triangles in input order, turned to agree; #V' vertices
   std::vector<bool> turned;  // #F: corners 1 and 2 were swapped
   // #V': the input vertex. The first #V are the input vertices in order, those that no triangle
@@ -28,8 +33,8 @@ struct CutSurface {
   // cuts. Not those that split_non_manifold took apart.
   std::vector<std::array<std::uint32_t, 2>> cuts;
   std::size_t auto_cuts = 0;  // how many of `cuts`, at the end, are automatic
-  // "reversed_triangles", "unreferenced_vertices", "degenerate_triangles", "boundary_seams",
-  // "ineffective_seams", "split_edges" (elements: triangles), "split_vertices".
+  // Those of RepairTriangles, then "reversed_triangles", "unreferenced_vertices", "degenerate_triangles", "boundary_seams",
+  // "ineffective_seams", "split_edges" (elements: triangles), "split_vertices", "one_sided" (an end of each edge).
   std::vector<Warning> warnings;
 };
 
@@ -37,7 +42,7 @@ struct CutSurface {
 // across what is not cut, and across cuts where nothing else decides; the lowest triangle of a
 // surface keeps its side.
 //
-// Faults, in this order: those of CheckArrays; kDuplicateTriangle; kUnknownEdge (a seam that is no
+// Faults, in this order: those of CheckArrays and RepairTriangles; kDuplicateTriangle; kUnknownEdge (a seam that is no
 // edge: its two vertices, field "seams[i]"); kNonManifoldEdge; kNonManifoldVertex (all such
 // vertices); kDegenerateTriangle; kNotOrientable; kNotADisk (the lowest triangle of every component
 // that has no boundary or has handles); whatever `cancel` answers, which is asked between the

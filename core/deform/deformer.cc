@@ -175,6 +175,9 @@ bool Frame::Place(std::vector<Complex>& positions) {
     }
     probe += 0 * positions[v].real() + 0 * positions[v].imag();
   }
+  // A vertex that stands for others is the lowest of them.
+  const std::vector<std::uint32_t>& standing = mesh_.repair.vertex;
+  for (std::size_t v = 0; v < standing.size(); ++v) positions[v] = positions[standing[v]];
   return probe == 0;
 }
 
@@ -319,9 +322,12 @@ std::span<const Complex> Deformer::positions(std::size_t lane) const {
 
 std::vector<std::uint32_t> Deformer::FlippedTriangles(std::size_t lane) const {
   std::vector<std::uint32_t> flipped;
-  const auto& triangles = scratch_->handles->mesh()->mesh().triangles;
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    if (IsFlipped(triangles[t], scratch_->positions[lane])) flipped.push_back(t);
+  const RegisteredMeshParts& mesh = scratch_->handles->mesh()->parts();
+  for (std::uint32_t t = 0; t < mesh.mesh.triangles.size(); ++t) {
+    if (!IsFlipped(mesh.mesh.triangles[t], scratch_->positions[lane])) continue;
+    // Parts of one triangle come after one another.
+    const std::uint32_t given = mesh.repair.TriangleOf(t);
+    if (flipped.empty() || flipped.back() != given) flipped.push_back(given);
   }
   return flipped;
 }

@@ -8,6 +8,7 @@
 #include "core/base/try.h"
 #include "core/base/wide.h"
 #include "core/deform/compiled_parts.h"
+#include "core/deform/given_triangles.h"
 #include "core/deform/registered_parts.h"
 #include "core/mesh/locate.h"
 
@@ -58,6 +59,9 @@ Result<std::vector<double>> ComputeDepths(const RegisteredMeshParts& mesh,
                                         mesh.topology.vertex_component.data(), depths.size(),
                                         depths.data());
   }
+  if (!depths.empty() && mesh.repair.changed()) {
+    for (std::uint32_t v = 0; v < depths.size(); ++v) depths[v] = depths[mesh.repair.vertex[v]];
+  }
   return depths;
 }
 
@@ -68,7 +72,8 @@ std::span<const double> VertexDepths(const CompiledHandles& handles) {
 std::vector<std::uint32_t> DrawOrder(const CompiledHandles& handles) {
   const std::span<const double> depths = VertexDepths(handles);
   if (depths.empty()) return {};
-  const auto& triangles = handles.mesh()->mesh().triangles;
+  const RegisteredMeshParts& mesh = handles.mesh()->parts();
+  const auto& triangles = mesh.repair.changed() ? mesh.repair.given : mesh.mesh.triangles;
   std::vector<double> key(triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     for (const std::uint32_t v : triangles[t]) key[t] += depths[v] / 3;
@@ -83,13 +88,15 @@ std::vector<std::uint32_t> DrawOrder(const CompiledHandles& handles) {
 std::vector<std::optional<std::uint32_t>> TrianglesUnder(const RegisteredMesh& mesh,
                                                          std::span<const PlacedHandle> handles) {
   const PlanarMesh& rest = mesh.mesh();
+  const Repair& repair = mesh.parts().repair;
   TriangleFinder finder(mesh.parts().nearby, rest.vertices, rest.triangles);
   const auto under = [&](const PlacedHandle& handle) -> std::optional<std::uint32_t> {
     if (const auto* vertex = std::get_if<VertexAnchor>(&handle.handle.anchor)) {
-      const std::uint32_t triangle = finder.Of(vertex->vertex);
+      const std::uint32_t triangle = finder.Of(repair.VertexOf(vertex->vertex));
       return triangle == kNone ? std::nullopt : std::optional(triangle);
     }
-    if (const auto* triangle = std::get_if<TriangleAnchor>(&handle.handle.anchor)) {
+    const auto* triangle = std::get_if<TriangleAnchor>(&handle.handle.anchor);
+    if (triangle != nullptr && !repair.changed()) {
       return triangle->triangle;
     }
     // The wider tolerance is for points on the boundary.
@@ -140,9 +147,10 @@ Result<std::vector<std::optional<Pick>>> FindPicks(const CompiledHandles& handle
       best = pick;
       highest = depth;
     });
-    if (best && mesh.turned[best->triangle]) {
-      std::swap(best->barycentric[1], best->barycentric[2]);
-    }
+    if (!best) continue;
+    const Located given = ToGiven(mesh, {best->triangle, best->barycentric, 0});
+    best->triangle = given.triangle;
+    best->barycentric = given.barycentric;
   }
   return picks;
 }

@@ -11,6 +11,7 @@
 
 #include "arap/core/cost.h"
 #include "core/base/try.h"
+#include "core/deform/given_triangles.h"
 #include "core/mesh/locate.h"
 
 namespace arap {
@@ -144,7 +145,7 @@ class Placer {
     }
     // A vertex answers with its own coordinates to the last bit.
     const auto* on_vertex = std::get_if<VertexAnchor>(&handle.anchor);
-    const Complex shown = on_vertex ? mesh_.mesh.vertices[on_vertex->vertex]
+    const Complex shown = on_vertex ? mesh_.mesh.vertices[mesh_.repair.VertexOf(on_vertex->vertex)]
                                     : mesh_.origin + mesh_.report.diagonal * found.rest;
     placement.placed = {handle, shown, found.seat.snapped * mesh_.report.diagonal, component};
     return placement;
@@ -153,11 +154,11 @@ class Placer {
  private:
   // The seat on the first triangle of the vertex.
   Result<Seat> SitOn(const VertexAnchor& anchor, const Named& named) {
-    const std::uint32_t vertex = anchor.vertex;
     const auto& triangles = mesh_.mesh.triangles;
-    if (vertex >= mesh_.rest.size()) {
-      return Fail(OutOfRange("vertex", vertex, mesh_.rest.size(), named));
+    if (anchor.vertex >= mesh_.rest.size()) {
+      return Fail(OutOfRange("vertex", anchor.vertex, mesh_.rest.size(), named));
     }
+    const std::uint32_t vertex = mesh_.repair.VertexOf(anchor.vertex);
     Seat seat;
     seat.triangle = finder_.Of(vertex);
     if (seat.triangle == kNone) {
@@ -175,7 +176,7 @@ class Placer {
   }
 
   Result<Seat> SitOn(const TriangleAnchor& anchor, const Named& named) {
-    const std::size_t count = mesh_.mesh.triangles.size();
+    const std::size_t count = mesh_.given_triangles();
     if (anchor.triangle >= count) {
       return Fail(OutOfRange("triangle", anchor.triangle, count, named));
     }
@@ -183,6 +184,16 @@ class Placer {
     const double sum = b[0] + b[1] + b[2];
     // Exactly 1, or a rigid motion far from the origin would not be exact.
     for (double& x : b) x = x / sum;
+    if (mesh_.repair.changed()) {
+      const Located place = FromGiven(mesh_, anchor.triangle, b);
+      if (place.triangle != kNone) return Seat{place.triangle, place.barycentric, 0};
+      return Fail(named
+                      .Bad(FaultKind::kHandleOutside, named.Field("triangle_point"),
+                           fmt::format("Handle \"{}\" is in triangle {}, which is smaller than the "
+                                       "tolerance of welding and of which nothing is left.",
+                                       named.handle.id, anchor.triangle))
+                      .Detail("triangle", anchor.triangle));
+    }
     if (mesh_.turned[anchor.triangle]) std::swap(b[1], b[2]);
     return Seat{anchor.triangle, b, 0};
   }

@@ -10,6 +10,7 @@
 #include "core/energy/assemble.h"
 #include "core/energy/cells.h"
 #include "core/mesh/locate.h"
+#include "core/mesh/repair.h"
 #include "core/mesh/validation.h"
 
 namespace arap {
@@ -94,10 +95,39 @@ Status Factorise(RegisteredMeshParts& parts, const CancelToken& cancel) {
   return cancel.Check();
 }
 
+// Mends the triangles; the warnings are about that, and about what could be mended.
+Result<std::vector<Warning>> Mend(PlanarMesh& mesh, const RepairOptions& repairs,
+                                  const MeshLimits& limits, const CancelToken& cancel,
+                                  Repair& repair) {
+  CHECK_OK(CheckArrays(mesh, limits));
+  TRY(repair, RepairTriangles(InSpace(mesh.vertices), mesh.triangles, repairs, limits, cancel));
+  return std::move(repair.warnings);
+}
+
+// Validates a mesh that was mended; what is said of it is said of the given triangles.
+Result<std::vector<Warning>> ValidateMended(PlanarMesh& mesh, const Repair& repair,
+                                            const MeshLimits& limits) {
+  auto warnings = ValidatePlanar(mesh, limits);
+  if (!warnings) return Fail(repair.OfGiven(std::move(warnings.error())));
+  if (!repair.changed()) return warnings;
+  for (Warning& warning : *warnings) warning = repair.OfGiven(std::move(warning));
+  // Those that others stand for are used too.
+  std::erase_if(*warnings, [](const Warning& w) { return w.kind == "unreferenced_vertices"; });
+  WarnUnreferenced(mesh.vertices.size(), repair.given, *warnings);
+  return warnings;
+}
+
+// Rigidity is given for the triangles that were given.
+Result<EnergyOptions> OptionsOfMended(const EnergyOptions& options, const Repair& repair) {
+  if (!repair.changed()) return options;
+  CHECK_OK(CheckEnergyOptions(options, repair.given.size()));
+  return repair.OfMended(options);
+}
+
 void Report(std::vector<Warning> warnings, std::size_t clamped, RegisteredMeshParts& parts) {
   RegistrationReport& report = parts.report;
   report.vertices = parts.mesh.vertices.size();
-  report.triangles = parts.mesh.triangles.size();
+  report.triangles = parts.given_triangles();
   report.edges = parts.topology.edges.size();
   report.components = parts.topology.components;
   report.boundary_loops = parts.topology.boundary_loops;
@@ -110,10 +140,12 @@ void Report(std::vector<Warning> warnings, std::size_t clamped, RegisteredMeshPa
   if (clamped > 0) report.warnings.push_back(ClampedWarning(clamped));
   AddWarning("joint_vertices", parts.topology.joints,
              "parts of the mesh touch in a single vertex; they are welded there", report.warnings);
-  report.bytes = parts.similarity->bytes() + parts.rigid->bytes() + parts.cells.bytes() +
-                 parts.rest.size() * 2 * sizeof(Complex) +
-                 parts.mesh.triangles.size() * (2 * sizeof(Triangle) + sizeof(std::uint32_t)) +
-                 parts.topology.edges.size() * sizeof(Edge);
+  report.bytes =
+      parts.similarity->bytes() + parts.rigid->bytes() + parts.cells.bytes() +
+      parts.rest.size() * 2 * sizeof(Complex) +
+      parts.mesh.triangles.size() * (2 * sizeof(Triangle) + sizeof(std::uint32_t)) +
+      parts.topology.edges.size() * sizeof(Edge) + parts.repair.given.size() * sizeof(Triangle) +
+      (parts.repair.vertex.size() + parts.repair.triangle.size()) * sizeof(std::uint32_t);
 }
 
 }  // namespace
@@ -130,18 +162,32 @@ Result<std::shared_ptr<const RegisteredMesh>> RegisteredMesh::Register(PlanarMes
                                                                        const EnergyOptions& options,
                                                                        const MeshLimits& limits,
                                                                        const CancelToken& cancel) {
-  return OrOutOfMemory([&] { return Make(std::move(mesh), options, limits, cancel); });
+  return Register(std::move(mesh), options, RepairOptions{}, limits, cancel);
+}
+
+Result<std::shared_ptr<const RegisteredMesh>> RegisteredMesh::Register(PlanarMesh mesh,
+                                                                       const EnergyOptions& options,
+                                                                       const RepairOptions& repairs,
+                                                                       const MeshLimits& limits,
+                                                                       const CancelToken& cancel) {
+  return OrOutOfMemory([&] { return Make(std::move(mesh), options, repairs, limits, cancel); });
 }
 
 Result<std::shared_ptr<const RegisteredMesh>> RegisteredMesh::Make(PlanarMesh mesh,
                                                                    const EnergyOptions& options,
+                                                                   const RepairOptions& repairs,
                                                                    const MeshLimits& limits,
                                                                    const CancelToken& cancel) {
+  auto parts = std::make_unique<RegisteredMeshParts>();
+  TRY(auto warnings, Mend(mesh, repairs, limits, cancel, parts->repair));
+  CHECK_OK(cancel.Check());
   const std::vector<Triangle> given = mesh.triangles;
-  TRY(auto warnings, ValidatePlanar(mesh, limits));
+  TRY(auto more, ValidateMended(mesh, parts->repair, limits));
+  warnings.insert(warnings.end(), more.begin(), more.end());
+  TRY(const EnergyOptions mended, OptionsOfMended(options, parts->repair));
   CHECK_OK(cancel.Check());
 
-  auto parts = std::make_unique<RegisteredMeshParts>();
+  parts->repairs = repairs;
   parts->mesh = std::move(mesh);
   parts->options = options;
   for (std::size_t t = 0; t < given.size(); ++t) {
@@ -156,7 +202,7 @@ Result<std::shared_ptr<const RegisteredMesh>> RegisteredMesh::Make(PlanarMesh me
     const Triangle& c = parts->mesh.triangles[t];
     return std::array<Complex, 3>{parts->rest[c[0]], parts->rest[c[1]], parts->rest[c[2]]};
   };
-  TRY(CellSystem system, BuildCells(parts->mesh.triangles, parts->topology, options, frame, true));
+  TRY(CellSystem system, BuildCells(parts->mesh.triangles, parts->topology, mended, frame, true));
   parts->cells = std::move(system.cells);
   parts->stretch = StretchTable(parts->mesh, parts->rest);
   CHECK_OK(cancel.Check());
@@ -167,6 +213,7 @@ Result<std::shared_ptr<const RegisteredMesh>> RegisteredMesh::Make(PlanarMesh me
 
 const PlanarMesh& RegisteredMesh::mesh() const { return parts_->mesh; }
 const EnergyOptions& RegisteredMesh::options() const { return parts_->options; }
+const RepairOptions& RegisteredMesh::repairs() const { return parts_->repairs; }
 const RegistrationReport& RegisteredMesh::report() const { return parts_->report; }
 
 }  // namespace arap

@@ -7,6 +7,7 @@
 #include "arap/core/registered_mesh.h"
 #include "core/deform/stretch.h"
 #include "core/energy/cells.h"
+#include "core/mesh/repair.h"
 #include "core/mesh/topology.h"
 #include "core/sparse/factor.h"
 
@@ -27,8 +28,15 @@ struct RegisteredMeshParts {
   // Normalised = (input − origin) / diagonal: no result depends on the unit or the place.
   Complex Normalise(Complex p) const { return (p - origin) / report.diagonal; }
 
-  PlanarMesh mesh;
+  // Triangles as they were given, before repairs.
+  std::size_t given_triangles() const {
+    return repair.changed() ? repair.given.size() : mesh.triangles.size();
+  }
+
+  PlanarMesh mesh;           // mended: #V as given, #F as they are used
   std::vector<bool> turned;  // #F, triangles whose corners 1 and 2 were swapped
+  RepairOptions repairs;
+  Repair repair;
   EnergyOptions options;
   RegistrationReport report;
   Topology topology;

@@ -84,6 +84,14 @@ SurfaceSize SizeOf(const SurfaceMesh& mesh, const CutOptions& cut) {
            t[2] != t[0];
   };
   SurfaceSize size{vertices, mesh.triangles.size()};
+  if (cut.repair.weld || cut.repair.stitch) {
+    // What parts it will have is not known before: as if it were one chart, which is the most that it
+    // can take. A chart has two vertices more than triangles at most.
+    size.charts = 1;
+    size.largest = std::min(vertices, mesh.triangles.size() + 2);
+    if (cut.repair.stitch) size.triangles += vertices;
+    return size;
+  }
   if (!cut.split_non_manifold) {
     Parts parts(vertices);
     for (const Triangle& t : mesh.triangles) {

@@ -17,6 +17,7 @@
 #include "core/flatten/assembly.h"
 #include "core/flatten/chart.h"
 #include "core/flatten/chart_layout.h"
+#include "core/flatten/given.h"
 #include "core/flatten/layout/chart_factors.h"
 #include "core/flatten/layout/wishes.h"
 
@@ -156,12 +157,11 @@ Fault OfInput(Fault fault, const Chart& chart, std::span<const std::uint32_t> so
   return fault;
 }
 
-// Flattens what is cut already; the times have no share for cutting it.
-Result<Flattening> FlattenPrepared(const PreparedSurfaceParts& surface,
-                                   const FlattenOptions& options, const CancelToken& cancel,
-                                   PinSolver solver, const FlattenProgress& progress) {
+// Lays the mended surface flat.
+Result<Flattening> LayFlat(const PreparedSurfaceParts& surface, const FlattenOptions& options,
+                           const CancelToken& cancel, PinSolver solver,
+                           const FlattenProgress& progress) {
   CpuTimer timer;
-  CHECK_OK(CheckFlattenOptions(options, surface.surface.mesh.triangles.size()));
   TRY(const auto wishes,
       FindWishes(surface.charts, surface.surface.source, surface.input_vertices, options, cancel));
   Assembly assembly(surface.surface, surface.charts);
@@ -188,6 +188,22 @@ Result<Flattening> FlattenPrepared(const PreparedSurfaceParts& surface,
   return flat;
 }
 
+// Flattens what is cut already; the times have no share for cutting it.
+Result<Flattening> FlattenPrepared(const PreparedSurfaceParts& surface,
+                                   const FlattenOptions& options, const CancelToken& cancel,
+                                   PinSolver solver, const FlattenProgress& progress) {
+  const Repair& repair = surface.surface.repair;
+  if (!repair.changed()) {
+    CHECK_OK(CheckFlattenOptions(options, surface.surface.mesh.triangles.size()));
+    return LayFlat(surface, options, cancel, solver, progress);
+  }
+  CHECK_OK(CheckFlattenOptions(options, repair.given.size()));
+  auto flat = LayFlat(surface, OfMended(options, repair), cancel, solver, progress);
+  if (!flat) return Fail(repair.OfGiven(std::move(flat.error())));
+  OfGiven(repair, *flat);
+  return flat;
+}
+
 }  // namespace
 
 Status CheckFlattenOptions(const FlattenOptions& options, std::size_t triangles) {
@@ -205,6 +221,7 @@ Status CheckFlattenOptions(const FlattenOptions& options, std::size_t triangles)
                     .Detail("value", options.refine_stop)
                     .Detail("limit", 1));
   }
+  CHECK_OK(CheckRepair(options.cut.repair));
   CHECK_OK(CheckEnergy(options, triangles));
   for (std::size_t i = 0; i < options.pins.size(); ++i) CHECK_OK(CheckPin(options.pins[i], i));
   for (std::size_t i = 0; i < options.grain_lines.size(); ++i) {
@@ -233,8 +250,10 @@ PreparedSurface::PreparedSurface(std::unique_ptr<const PreparedSurfaceParts> par
 PreparedSurface::~PreparedSurface() = default;
 
 std::size_t PreparedSurface::bytes() const {
-  std::size_t bytes =
-      BytesOf(parts_->surface.mesh) + BytesOf(parts_->surface.source) + parts_->factors.bytes();
+  std::size_t bytes = BytesOf(parts_->surface.mesh) + BytesOf(parts_->surface.source) +
+                      BytesOf(parts_->surface.repair.given) +
+                      BytesOf(parts_->surface.repair.vertex) +
+                      BytesOf(parts_->surface.repair.triangle) + parts_->factors.bytes();
   for (const Chart& chart : parts_->charts) {
     bytes += sizeof(Chart) + chart.left_out.capacity() / 8;
     for (const auto& loop : chart.loops) bytes += sizeof(loop) + BytesOf(loop);

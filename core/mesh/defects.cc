@@ -165,10 +165,14 @@ Result<std::vector<Warning>> FindDefects(std::span<const Point3> points,
   return warnings;
 }
 
-Fault WithDefects(Fault fault, const std::vector<Warning>& defects) {
-  if (defects.empty()) return fault;
+Fault WithDefects(Fault fault, const std::vector<Warning>& warnings) {
+  const auto is_defect = [](const Warning& w) {
+    return w.kind == "twin_vertices" || w.kind == "doubled_triangles" || w.kind == "t_junctions";
+  };
+  const auto defect = std::find_if(warnings.begin(), warnings.end(), is_defect);
+  if (defect == warnings.end()) return fault;
   if (fault.message.ends_with('.')) fault.message.pop_back();
-  fault.message += fmt::format("; {}.", defects.front().message);
+  fault.message += fmt::format("; {}.", defect->message);
   return fault;
 }
 

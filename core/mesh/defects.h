@@ -26,8 +26,9 @@ Result<std::vector<Warning>> FindDefects(std::span<const Point3> points,
                                          std::span<const Side> sides, const RepairOptions& options,
                                          const CancelToken& cancel);
 
-// Adds to the sentence of a fault what a repair could do about it: the first of the defects.
-Fault WithDefects(Fault fault, const std::vector<Warning>& defects);
+// Adds to the sentence of a fault what a repair could do about it: the first defect among the
+// warnings.
+Fault WithDefects(Fault fault, const std::vector<Warning>& warnings);
 
 // How near is together, in units of the mesh.
 struct Nearness {

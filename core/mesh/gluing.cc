@@ -102,6 +102,35 @@ Result<std::vector<bool>> TrianglesToTurn(std::span<const Triangle> triangles,
   return Orienter(triangles, gluing).Run();
 }
 
+std::vector<std::uint32_t> CutOneSided(std::span<const Triangle> triangles, Gluing& gluing) {
+  std::vector<bool> seen(triangles.size(), false), turned(triangles.size(), false);
+  std::vector<std::uint32_t> cut;
+  std::vector<std::uint32_t> queue;  // triangles, ring after ring, so that the fronts meet half-way
+  for (std::uint32_t start = 0; start < triangles.size(); ++start) {
+    if (seen[start]) continue;
+    seen[start] = true;
+    queue.assign(1, start);
+    for (std::size_t next = 0; next < queue.size(); ++next) {
+      const std::uint32_t t = queue[next];
+      for (std::uint32_t side = 3 * t; side < 3 * t + 3; ++side) {
+        if (gluing.open(side)) continue;
+        const std::uint32_t mate = gluing.mate[side];
+        const bool alike = SideStart(triangles, side) == SideStart(triangles, mate);
+        const bool wanted = alike != turned[t];
+        if (!seen[mate / 3]) {
+          seen[mate / 3] = true;
+          turned[mate / 3] = wanted;
+          queue.push_back(mate / 3);
+        } else if (turned[mate / 3] != wanted) {
+          gluing.Cut(side);
+          cut.push_back(side);
+        }
+      }
+    }
+  }
+  return cut;
+}
+
 void TurnTriangles(const std::vector<bool>& turned, std::vector<Triangle>& triangles,
                    Gluing& gluing) {
   const auto renumbered = [&turned](std::uint32_t side) {

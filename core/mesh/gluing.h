@@ -36,6 +36,11 @@ Gluing GlueAll(std::span<const Side> sides);
 Result<std::vector<bool>> TrianglesToTurn(std::span<const Triangle> triangles,
                                           const Gluing& gluing);
 
+// Takes apart what keeps triangles from being oriented alike: where the surface comes round to itself the
+// other way, half-way round from the lowest triangle. Every surface stays connected. Returns one side of
+// each edge that was cut; none when TrianglesToTurn has no fault. O(#F).
+std::vector<std::uint32_t> CutOneSided(std::span<const Triangle> triangles, Gluing& gluing);
+
 // Turns them and renumbers the sides of `gluing` to match. O(#F).
 void TurnTriangles(const std::vector<bool>& turned, std::vector<Triangle>& triangles,
                    Gluing& gluing);

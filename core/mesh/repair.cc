@@ -1,9 +1,11 @@
 #include "core/mesh/repair.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <numeric>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -235,6 +237,41 @@ class Mender {
   Repair repair_;
 };
 
+// A sentence with the numbers that follow "triangle" or "triangles" translated.
+std::string GivenNumbers(std::string_view text, const Repair& repair) {
+  constexpr std::string_view kWord = "riangle";
+  constexpr std::string_view kBetween[] = {", and ", ", ", " and "};
+  const auto is_digit = [](std::string_view s) {
+    return !s.empty() && s.front() >= '0' && s.front() <= '9';
+  };
+  std::string out;
+  const auto take = [&](std::size_t count) {
+    out += text.substr(0, count);
+    text.remove_prefix(count);
+  };
+  while (!text.empty()) {
+    const std::size_t at = text.find(kWord);
+    take(at == std::string_view::npos ? text.size() : at + kWord.size());
+    for (const std::string_view more : {"s", ":", " "}) {
+      if (text.starts_with(more)) take(more.size());
+    }
+    while (is_digit(text)) {
+      std::uint32_t number = 0;
+      const char* const end = text.data() + text.size();
+      const auto [stop, error] = std::from_chars(text.data(), end, number);
+      if (error != std::errc()) break;
+      out += fmt::to_string(repair.TriangleOf(number));
+      text.remove_prefix(static_cast<std::size_t>(stop - text.data()));
+      for (const std::string_view between : kBetween) {
+        if (!text.starts_with(between) || !is_digit(text.substr(between.size()))) continue;
+        take(between.size());
+        break;
+      }
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 Triangle Repair::CornersOf(std::uint32_t given_triangle) const {
@@ -256,15 +293,12 @@ Fault Repair::OfGiven(Fault fault) const {
   // Of these the elements are vertices.
   const bool vertices =
       fault.kind == FaultKind::kNonManifoldVertex || fault.kind == FaultKind::kNonFiniteCoordinate;
-  if (!changed() || fault.field != "mesh.triangles" || vertices || fault.elements.empty()) {
-    return fault;
-  }
-  const std::uint32_t first = fault.elements.front();
+  const bool flips = fault.kind == FaultKind::kNotInjective &&
+                     (fault.field == "pins" || !DetailOf(fault, "flipped").empty());
+  const bool triangles = (fault.field == "mesh.triangles" && !vertices) || flips;
+  if (!changed() || !triangles || fault.elements.empty()) return fault;
   for (std::uint32_t& element : fault.elements) element = TriangleOf(element);
-  if (fault.elements.front() != first) {
-    fault.message += fmt::format(" (After the repairs; triangle {} is {} of those given.)", first,
-                                 fault.elements.front());
-  }
+  fault.message = GivenNumbers(fault.message, *this);
   return fault;
 }
 
@@ -276,6 +310,33 @@ Warning Repair::OfGiven(Warning warning) const {
   if (!changed() || !triangles) return warning;
   for (std::uint32_t& element : warning.elements) element = TriangleOf(element);
   return warning;
+}
+
+std::vector<std::array<std::uint32_t, 2>> Repair::OfMended(
+    std::vector<std::array<std::uint32_t, 2>> edges) const {
+  for (std::size_t i = 0, count = edges.size(); i < count; ++i) {
+    const auto [low, high] = std::minmax({VertexOf(edges[i][0]), VertexOf(edges[i][1])});
+    edges[i] = {low, high};
+    const auto found = split.find(edges[i]);
+    if (found == split.end()) continue;
+    std::uint32_t last = found->second.front();
+    edges[i] = {low, last};
+    for (const std::uint32_t v : std::span(found->second).subspan(1)) {
+      edges.push_back({last, v});
+      last = v;
+    }
+    edges.push_back({last, high});
+  }
+  return edges;
+}
+
+EnergyOptions Repair::OfMended(EnergyOptions options) const {
+  if (!changed() || options.rigidity.empty()) return options;
+  std::vector<double> mended;
+  mended.reserve(triangle.size());
+  for (const std::uint32_t t : triangle) mended.push_back(options.rigidity[t]);
+  options.rigidity = std::move(mended);
+  return options;
 }
 
 Status CheckRepair(const RepairOptions& options) {

@@ -10,6 +10,7 @@
 
 #include "arap/base/cancel.h"
 #include "arap/base/result.h"
+#include "arap/model/energy.h"
 #include "arap/model/mesh.h"
 #include "arap/model/repair.h"
 
@@ -47,10 +48,15 @@ struct Repair {
   };
   Parts PartsOf(std::uint32_t given_triangle) const;
 
-  // A fault or a warning about mended triangles, told of the given ones. A fault whose sentence has
-  // other numbers than the given triangles says so.
+  // A fault or a warning about mended triangles, told of the given ones; of a fault the sentence too.
   Fault OfGiven(Fault fault) const;
   Warning OfGiven(Warning warning) const;
+  // Edges on the vertices that stand for theirs. Of one that was split the first part is in its place and
+  // the others are at the end.
+  std::vector<std::array<std::uint32_t, 2>> OfMended(
+      std::vector<std::array<std::uint32_t, 2>> edges) const;
+  // Options with the rigidity of the mended triangles; it must be empty or #F.
+  EnergyOptions OfMended(EnergyOptions options) const;
 };
 
 // What can be said of the options without a mesh. kInvalidOption with the field "repair.tolerance".

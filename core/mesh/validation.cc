@@ -8,6 +8,7 @@
 
 #include "core/base/plane.h"
 #include "core/base/try.h"
+#include "core/mesh/defects.h"
 #include "core/mesh/gluing.h"
 #include "core/mesh/space.h"
 
@@ -163,6 +164,9 @@ Status CheckAll(const Mesh& mesh, const MeshLimits& limits, std::vector<Side>& s
 Status CheckArrays(const SurfaceMesh& mesh, const MeshLimits& limits) {
   return CheckBasics(mesh, limits);
 }
+Status CheckArrays(const PlanarMesh& mesh, const MeshLimits& limits) {
+  return CheckBasics(mesh, limits);
+}
 
 Status CheckDuplicates(std::span<const Triangle> triangles, std::span<const Side> sides) {
   const auto opposite = [&](const Side& side) { return triangles[side.triangle()][side.corner()]; };
@@ -178,10 +182,14 @@ Status CheckDuplicates(std::span<const Triangle> triangles, std::span<const Side
     for (std::size_t i = 1; i < sorted.size(); ++i) {
       if (opposite(sorted[i]) != opposite(sorted[i - 1])) continue;
       const std::uint32_t a = sorted[i - 1].triangle(), b = sorted[i].triangle();
+      const Duplicates all = FindDuplicates(triangles);
       status = Fail(Fault(FaultKind::kDuplicateTriangle,
-                          fmt::format("Triangles {} and {} have the same vertices.", a, b))
+                          fmt::format("Triangles {} and {} have the same vertices ({} such in all; "
+                                      "{}); drop_duplicates leaves one of each.",
+                                      a, b, all.pairs.size(), all.WhichWay()))
                         .Field("mesh.triangles")
-                        .Elements({a, b}));
+                        .Elements({a, b})
+                        .Detail("count", all.pairs.size()));
       return;
     }
   });

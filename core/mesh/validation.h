@@ -31,6 +31,7 @@ Result<std::vector<Warning>> ValidateSurface(SurfaceMesh& mesh, const MeshLimits
 // The parts of ValidateSurface in its order, for a caller that cuts before it orients.
 // `sides` is what SortedSides makes of the triangles.
 Status CheckArrays(const SurfaceMesh& mesh, const MeshLimits& limits);  // up to kRepeatedIndex
+Status CheckArrays(const PlanarMesh& mesh, const MeshLimits& limits);
 Status CheckDuplicates(std::span<const Triangle> triangles, std::span<const Side> sides);
 Fault NonManifoldEdgeFault(std::span<const Side> edge);  // its three or more sides
 // Ascending. Finite positions that are too far apart to be subtracted or squared count too.

@@ -223,6 +223,7 @@ Result<FlattenOptions> FromWire(const v1::FlattenRequest& request, std::uint32_t
   CHECK_OK(SetRefine(request, max_refine, options));
   CHECK_OK(CheckGroups(request.seam_edges_size(), 2, "seam_edges"));
   options.cut.seams = Groups<std::uint32_t, 2>(request.seam_edges());
+  options.cut.repair = FromWire(request.repair());
   options.cut.auto_cut = request.auto_cut();
   options.cut.split_non_manifold = request.split_non_manifold();
   options.cut.tolerate_degenerate = request.tolerate_degenerate();
@@ -240,6 +241,7 @@ void ToWire(const FlattenOptions& options, v1::FlattenRequest* out) {
   if (options.refine != preset) out->set_refine(static_cast<std::uint32_t>(options.refine));
   out->set_refine_stop(options.refine_stop);
   AppendGroups(options.cut.seams, out->mutable_seam_edges());
+  if (options.cut.repair != RepairOptions{}) ToWire(options.cut.repair, out->mutable_repair());
   out->set_auto_cut(options.cut.auto_cut);
   out->set_split_non_manifold(options.cut.split_non_manifold);
   out->set_tolerate_degenerate(options.cut.tolerate_degenerate);
@@ -273,6 +275,7 @@ Status ToWire(const Flattening& flat, const v1::FlattenRequest& request, v1::Fla
     CHECK_OK(PackSingularValues(flat, out->mutable_singular_values()));
   }
   Append(flat.source, out->mutable_uv_vertex());
+  Append(flat.welded, out->mutable_welded_vertex());
   AppendGroups(flat.corner_uv, out->mutable_corner_uv());
   Append(flat.triangle_chart, out->mutable_triangle_chart());
   ToWire(flat.distortion, out->mutable_distortion());
@@ -300,6 +303,7 @@ Result<Flattening> FromWire(const v1::FlattenResponse& response) {
   Flattening flat;
   flat.uv = response.uv64_size() > 0 ? Points(response.uv64()) : Points(response.uv());
   flat.source = Values<std::uint32_t>(response.uv_vertex());
+  flat.welded = Values<std::uint32_t>(response.welded_vertex());
   flat.corner_uv = Groups<std::uint32_t, 3>(response.corner_uv());
   flat.first_step = Points(response.first_step_uv());
   flat.singular_values = Groups<double, 2>(response.singular_values());

@@ -115,6 +115,22 @@ void ToWire(const EnergyOptions& energy, v1::EnergyOptions* out) {
   Append(energy.rigidity, out->mutable_rigidity());
 }
 
+RepairOptions FromWire(const v1::RepairOptions& repair) {
+  RepairOptions out;
+  out.weld = repair.weld();
+  out.drop_duplicates = repair.drop_duplicates();
+  out.stitch = repair.stitch();
+  if (repair.has_tolerance()) out.tolerance = repair.tolerance();
+  return out;
+}
+
+void ToWire(const RepairOptions& repair, v1::RepairOptions* out) {
+  out->set_weld(repair.weld);
+  out->set_drop_duplicates(repair.drop_duplicates);
+  out->set_stitch(repair.stitch);
+  if (repair.tolerance) out->set_tolerance(*repair.tolerance);
+}
+
 std::vector<Warning> FromWire(const google::protobuf::RepeatedPtrField<v1::Warning>& warnings) {
   std::vector<Warning> out;
   for (const v1::Warning& warning : warnings) {

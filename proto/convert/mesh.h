@@ -9,6 +9,7 @@
 #include "arap/model/energy.h"
 #include "arap/model/mesh.h"
 #include "arap/model/outline.h"
+#include "arap/model/repair.h"
 
 namespace google::protobuf {
 template <typename T>
@@ -20,6 +21,7 @@ class MeshInfo;
 class MeshOutlineResponse;
 class Outline;
 class PlanarMesh;
+class RepairOptions;
 class SurfaceMesh;
 class Warning;
 }  // namespace arap::v1
@@ -43,6 +45,10 @@ void ToWire(const QualityMesh& mesh, v1::MeshOutlineResponse* out);
 // not know.
 Result<EnergyOptions> FromWire(const v1::EnergyOptions& energy, EnergyOptions defaults);
 void ToWire(const EnergyOptions& energy, v1::EnergyOptions* out);
+
+// Numbers are for the core to judge.
+RepairOptions FromWire(const v1::RepairOptions& repair);
+void ToWire(const RepairOptions& repair, v1::RepairOptions* out);
 
 std::vector<Warning> FromWire(const google::protobuf::RepeatedPtrField<v1::Warning>& warnings);
 void ToWire(const std::vector<Warning>& warnings,

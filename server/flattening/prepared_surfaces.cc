@@ -1,5 +1,6 @@
 #include "server/flattening/prepared_surfaces.h"
 
+#include <bit>
 #include <cstdint>
 #include <string_view>
 #include <utility>
@@ -104,6 +105,14 @@ Result<std::string> ContentHash(const SurfaceMesh& mesh, const CutOptions& optio
   static_assert(sizeof(Point3) == 3 * sizeof(double));
   Sha256 hash;
   hash.Bytes(kSurfaceTag.data(), kSurfaceTag.size());
+  const RepairOptions& repair = options.repair;
+  if (repair != RepairOptions{}) {
+    for (const bool asked :
+         {repair.weld, repair.drop_duplicates, repair.stitch, repair.tolerance.has_value()}) {
+      Number(hash, asked ? 3 : 2);
+    }
+    Number(hash, std::bit_cast<std::uint64_t>(repair.tolerance.value_or(0)));
+  }
   Number(hash, options.auto_cut ? 1 : 0);
   Number(hash, options.split_non_manifold ? 1 : 0);
   Number(hash, options.tolerate_degenerate ? 1 : 0);

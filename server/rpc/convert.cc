@@ -62,6 +62,8 @@ void ToWire(const app::MeshEntry& entry, v1::MeshInfo* out) {
   out->set_content_hash(entry.content_hash);
   ToWire(entry.mesh->report(), out);
   ToWire({energy.basis, energy.weights, {}}, out->mutable_energy());
+  const RepairOptions& repairs = entry.mesh->repairs();
+  if (repairs != RepairOptions{}) ToWire(repairs, out->mutable_repair());
 }
 
 Result<std::vector<Handle>> FromWire(const google::protobuf::RepeatedPtrField<v1::Handle>& handles,

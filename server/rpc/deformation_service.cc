@@ -86,7 +86,7 @@ Status RegisterMesh(app::Engine& engine, const v1::RegisterMeshRequest& request,
   TRY(const auto options, FromWire(request.energy(), EnergyOptions{}));
   TRY(const auto registration,
       app::RegisterMesh(engine, call.caller, request.session_id(), request.mesh_id(),
-                        std::move(mesh), options, call.cancel));
+                        std::move(mesh), options, call.cancel, FromWire(request.repair())));
   ToWire(registration.entry, response->mutable_mesh());
   response->set_shared(registration.shared);
   SetTimes(call, working, response);

@@ -37,7 +37,8 @@ std::size_t LeastResponseBytes(const v1::FlattenRequest& request) {
   if (request.include_first_step()) bytes += std::size_t{vertices} * 16;
   if (request.include_singular_values()) bytes += triangles * 8;
   for (std::uint32_t v = 0; v < vertices; ++v) bytes += varint(v);
-  // A copy along a cut has a larger number than the vertex.
+  // A copy along a cut has a larger number than the vertex; one that stands for it has a lower one.
+  if (request.repair().weld()) return bytes + 3 * triangles;
   for (const std::uint32_t v : request.mesh().triangles()) bytes += varint(v);
   return bytes;
 }

@@ -30,7 +30,8 @@ constexpr const char* kCapabilities[] = {"basis.edge",          "basis.edge_as_p
                                          "flatten.seams",       "flatten.auto_cut",
                                          "flatten.injective",   "flatten.pins",
                                          "flatten.grain_lines", "flatten.surface_key",
-                                         "result.float64",      "mesh.outline"};
+                                         "result.float64",      "mesh.outline",
+                                         "mesh.repair"};
 
 class UnknownMethods final : public grpc::CallbackGenericService {
  public:

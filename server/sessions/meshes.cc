@@ -1,6 +1,7 @@
 #include "server/sessions/meshes.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -38,21 +39,23 @@ Result<bool> HasMesh(const store::SessionRecord& record, const std::string& mesh
 // Registers a mesh in memory that is reserved for it.
 Result<std::shared_ptr<const RegisteredMesh>> Factor(Workshop& workshop, const Caller& caller,
                                                      PlanarMesh mesh, const EnergyOptions& options,
+                                                     const RepairOptions& repairs,
                                                      const MeshLimits& limits,
                                                      const CancelToken& cancel) {
   TRY(const auto room,
       workshop.derived.Reserve(caller,
                                EstimateRegistration(mesh.vertices.size(), options.basis).bytes));
-  return RegisteredMesh::Register(std::move(mesh), options, limits, cancel);
+  return RegisteredMesh::Register(std::move(mesh), options, repairs, limits, cancel);
 }
 
 Result<std::shared_ptr<const RegisteredMesh>> FactorNew(Workshop& workshop, const Caller& caller,
                                                         PlanarMesh mesh,
                                                         const EnergyOptions& options,
+                                                        const RepairOptions& repairs,
                                                         const CancelToken& cancel) {
   // Before memory is taken: what is asked amiss stays so however much room there is.
   CHECK_OK(RegisteredMesh::CheckOptions(options, mesh.triangles.size()));
-  return Factor(workshop, caller, std::move(mesh), options,
+  return Factor(workshop, caller, std::move(mesh), options, repairs,
                 {workshop.limits.max_vertices, workshop.limits.max_triangles}, cancel);
 }
 
@@ -65,8 +68,8 @@ Result<std::shared_ptr<const RegisteredMesh>> Rebuild(Workshop& workshop, const 
   // What was accepted once stays, also when the limits have shrunk since.
   constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
   const runtime::WallTimer working;
-  TRY(auto mesh,
-      Factor(workshop, caller, std::move(stored.mesh), stored.options, {kAny, kAny}, cancel));
+  TRY(auto mesh, Factor(workshop, caller, std::move(stored.mesh), stored.options, stored.repairs,
+                        {kAny, kAny}, cancel));
   workshop.metrics.Phase(runtime::Phase::kRebuild, working.Micros() * 1e-6);
   return mesh;
 }
@@ -91,6 +94,10 @@ MeshEntry KeepWarm(Workshop& workshop, const std::string& owner, MeshEntry entry
 
 // To be changed whenever the same mesh would get other factors.
 constexpr std::string_view kTag = "arap planar mesh 1\n";
+constexpr std::string_view kMendedTag = "arap planar mesh 2\n";
+
+// Repairs as bits of a number.
+constexpr std::uint64_t kWeld = 1, kDropDuplicates = 2, kStitch = 4, kTolerance = 8, kAll = 15;
 
 void Append(std::string& bytes, const void* data, std::size_t size) {
   bytes.append(static_cast<const char*>(data), size);
@@ -141,11 +148,11 @@ class BlobReader {
 Result<Registration> RegisterMesh(Workshop& workshop, const Caller& caller,
                                   const std::string& session_id, std::string mesh_id,
                                   PlanarMesh mesh, const EnergyOptions& options,
-                                  const CancelToken& cancel) {
+                                  const CancelToken& cancel, const RepairOptions& repairs) {
   const runtime::WallTimer working;
   TRY(const auto session, workshop.sessions.Use(caller.owner, session_id));
   if (!mesh_id.empty()) CHECK_OK(CheckName(mesh_id, "mesh_id"));
-  const std::string bytes = EncodeMesh(mesh, options);
+  const std::string bytes = EncodeMesh(mesh, options, repairs);
   TRY(const std::string hash, Sha256Hex(bytes));
   if (mesh_id.empty()) mesh_id = hash.substr(0, kDefaultIdLength);
 
@@ -155,7 +162,7 @@ Result<Registration> RegisterMesh(Workshop& workshop, const Caller& caller,
   const bool shared = entry.mesh != nullptr;
   if (!has) CHECK_OK(workshop.sessions.MayStore(caller, {.meshes = 1, .bytes = bytes.size()}));
   if (!shared) {
-    TRY(entry.mesh, FactorNew(workshop, caller, std::move(mesh), options, cancel));
+    TRY(entry.mesh, FactorNew(workshop, caller, std::move(mesh), options, repairs, cancel));
   }
   if (!has) {
     // The blob first: a record never names what is not there.
@@ -249,12 +256,21 @@ DerivedKey MeshKey(const std::string& owner, const std::string& blob) {
   return {owner, DerivedKind::kMesh, blob};
 }
 
-std::string EncodeMesh(const PlanarMesh& mesh, const EnergyOptions& options) {
-  std::string bytes(kTag);
-  bytes.reserve(kTag.size() + 5 * sizeof(std::uint64_t) + options.rigidity.size() * sizeof(double) +
+std::string EncodeMesh(const PlanarMesh& mesh, const EnergyOptions& options,
+                       const RepairOptions& repairs) {
+  // Meshes without repairs are what they were before there were any.
+  const bool mended = repairs != RepairOptions{};
+  std::string bytes(mended ? kMendedTag : kTag);
+  bytes.reserve(kTag.size() + 7 * sizeof(std::uint64_t) + options.rigidity.size() * sizeof(double) +
                 mesh.vertices.size() * sizeof(Complex) + mesh.triangles.size() * sizeof(Triangle));
   AppendNumber(bytes, static_cast<std::uint64_t>(options.basis));
   AppendNumber(bytes, static_cast<std::uint64_t>(options.weights));
+  if (mended) {
+    AppendNumber(bytes, (repairs.weld ? kWeld : 0) |
+                            (repairs.drop_duplicates ? kDropDuplicates : 0) |
+                            (repairs.stitch ? kStitch : 0) | (repairs.tolerance ? kTolerance : 0));
+    AppendNumber(bytes, std::bit_cast<std::uint64_t>(repairs.tolerance.value_or(0)));
+  }
   AppendArray(bytes, options.rigidity);
   AppendArray(bytes, mesh.vertices);
   AppendArray(bytes, mesh.triangles);
@@ -264,15 +280,22 @@ std::string EncodeMesh(const PlanarMesh& mesh, const EnergyOptions& options) {
 Result<MeshBlob> DecodeMesh(std::string_view bytes) {
   BlobReader reader(bytes);
   MeshBlob blob;
-  std::uint64_t basis = 0, weights = 0;
-  const bool good = reader.Tag(kTag) && reader.Number(basis) && reader.Number(weights) &&
-                    basis <= static_cast<std::uint64_t>(Basis::kVertex) &&
+  std::uint64_t basis = 0, weights = 0, repairs = 0, tolerance = 0;
+  const bool mended = reader.Tag(kMendedTag);
+  const bool good = (mended || reader.Tag(kTag)) && reader.Number(basis) &&
+                    reader.Number(weights) &&
+                    (!mended || (reader.Number(repairs) && reader.Number(tolerance))) &&
+                    repairs <= kAll && basis <= static_cast<std::uint64_t>(Basis::kVertex) &&
                     weights <= static_cast<std::uint64_t>(Weights::kCotangent) &&
                     reader.Array(blob.options.rigidity) && reader.Array(blob.mesh.vertices) &&
                     reader.Array(blob.mesh.triangles) && reader.AtEnd();
   if (!good) return Fail(FaultKind::kDataLoss, "A stored mesh is not in the form of this version.");
   blob.options.basis = static_cast<Basis>(basis);
   blob.options.weights = static_cast<Weights>(weights);
+  blob.repairs.weld = (repairs & kWeld) != 0;
+  blob.repairs.drop_duplicates = (repairs & kDropDuplicates) != 0;
+  blob.repairs.stitch = (repairs & kStitch) != 0;
+  if ((repairs & kTolerance) != 0) blob.repairs.tolerance = std::bit_cast<double>(tolerance);
   return blob;
 }
 

@@ -14,6 +14,7 @@
 #include "arap/model/energy.h"
 #include "arap/model/mesh.h"
 #include "arap/model/outline.h"
+#include "arap/model/repair.h"
 #include "server/access/caller.h"
 #include "server/budget/derived_cache.h"
 #include "server/sessions/session.h"
@@ -33,14 +34,14 @@ struct Registration {
   bool shared = false;  // the factors were there already
 };
 
-// Validates and factors `mesh`, or finds it done, and stores it before it answers. An empty
+// Mends, validates and factors `mesh`, or finds it done, and stores it before it answers. An empty
 // `mesh_id` stands for the first 32 digits of the content hash. Takes as long as the factorisation:
 // for the job lane. Faults: kInvalidName, kNotFound, kMeshTooLarge, kAlreadyExists, kLimitExceeded,
 // those of RegisteredMesh::Register and of the store; nothing is kept then.
 Result<Registration> RegisterMesh(Workshop& workshop, const Caller& caller,
                                   const std::string& session_id, std::string mesh_id,
                                   PlanarMesh mesh, const EnergyOptions& options,
-                                  const CancelToken& cancel);
+                                  const CancelToken& cancel, const RepairOptions& repairs = {});
 
 // Triangles inside outlines (core/outline/quality_mesh.h), in memory that is reserved for the
 // caller: about `vertices`, and no more than a few times as many as that and the outlines have
@@ -82,11 +83,14 @@ DerivedKey MeshKey(const std::string& owner, const std::string& blob);
 struct MeshBlob {
   PlanarMesh mesh;
   EnergyOptions options;
+  RepairOptions repairs;
 };
 
 // A version tag, basis, weights, then rigidity, vertices and triangles, each behind its length; all
-// numbers in the byte order of the machine. Equal arguments give equal bytes.
-std::string EncodeMesh(const PlanarMesh& mesh, const EnergyOptions& options);
+// numbers in the byte order of the machine. With repairs another tag, and what they are behind the
+// weights. Equal arguments give equal bytes.
+std::string EncodeMesh(const PlanarMesh& mesh, const EnergyOptions& options,
+                       const RepairOptions& repairs = {});
 
 // kDataLoss for bytes that EncodeMesh did not write.
 Result<MeshBlob> DecodeMesh(std::string_view bytes);

@@ -52,6 +52,8 @@ v1::RegisterMeshRequest MeshRequest() {
   v1::RegisterMeshRequest request;
   request.set_session_id(kSession);
   request.set_mesh_id(kMesh);
+  request.mutable_repair()->set_weld(true);
+  request.mutable_repair()->set_stitch(true);
   v1::PlanarMesh& mesh = *request.mutable_mesh();
   for (std::uint32_t y = 0; y <= kSquares; ++y) {
     for (std::uint32_t x = 0; x <= kSquares; ++x) {

@@ -9,17 +9,23 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "arap/model/energy.h"
+#include "arap/model/repair.h"
 #include "client/cli/report.h"
 #include "core/files/text_file.h"
 
 namespace arap::cli {
 
 using Run = std::function<int()>;
+
+// The words of a command line as CLI11 takes them: of "--weld 0.1" one word is made, because a flag that
+// may have a value would take the file after it for one.
+std::vector<std::string> Joined(std::vector<std::string> words);
 
 void AddInfo(CLI::App& app, Run& run);
 void AddBake(CLI::App& app, Run& run);
@@ -105,6 +111,9 @@ void AddBasis(CLI::App& command, Variable& basis, bool planar, const std::string
   if (planar) bases.emplace("vertex", Basis::kVertex);
   AddChoice(command, "--basis", basis, bases, help);
 }
+
+// --weld, --stitch, --drop-duplicates.
+void AddRepairs(CLI::App& command, RepairOptions& repairs);
 
 // --weights.
 template <class Variable>

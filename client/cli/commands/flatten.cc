@@ -31,6 +31,17 @@ Status WriteSurface(const FlattenFlags& flags, const SurfaceFile& file, const Fl
   return WriteTextFile(flags.out, text);
 }
 
+// The grain lines between vertices that stand for those that were named.
+std::vector<GrainLine> GrainOf(const client::FlattenQuery& query, const Flattening& flat) {
+  std::vector<GrainLine> lines = query.options.grain_lines;
+  if (flat.welded.empty()) return lines;
+  for (GrainLine& line : lines) {
+    line.from = flat.welded[line.from];
+    line.to = flat.welded[line.to];
+  }
+  return lines;
+}
+
 Status WriteLayout(const FlattenFlags& flags, const std::vector<GrainLine>& grain,
                    const SurfaceFile& file, const Counting& counting, client::FlatSurface answer) {
   const SurfaceMesh& mesh = file.mesh;
@@ -94,7 +105,8 @@ Status Flatten(const FlattenFlags& flags) {
                        : FlattenAsJob(connection.client(), mesh, query, flags.timeout.value(),
                                       flags.job.substr(0, slash), flags.job.substr(slash + 1)),
                    origins));
-    CHECK_OK(WriteLayout(flags, query.options.grain_lines, file, counting, std::move(answer)));
+    const std::vector<GrainLine> grain = GrainOf(query, answer.flat);
+    CHECK_OK(WriteLayout(flags, grain, file, counting, std::move(answer)));
   }
   return flags.compare.empty() ? Status()
                                : Compare(flags, query, mesh, connection.client(), origins);

@@ -125,8 +125,9 @@ void AddSurfaceFlags(CLI::App& command, FlattenFlags& flags) {
           },
           ""))
       ->option_text("FROM,TO[,ANGLE]");
-  surface->add_flag("--auto-cut", cut.auto_cut,
-                    "cut closed pieces, handles and several boundaries open to disks");
+  surface->add_flag(
+      "--auto-cut", cut.auto_cut,
+      "cut one-sided and closed pieces, handles and several boundaries open to disks");
   surface->add_flag("--split-non-manifold", cut.split_non_manifold,
                     "split edges with more than two triangles and touching vertices");
   surface->add_flag("--tolerate-degenerate", cut.tolerate_degenerate,
@@ -258,6 +259,7 @@ void AddFlattenFlags(CLI::App& command, FlattenFlags& flags) {
           ""))
       ->option_text("SESSION/JOB");
   AddSurfaceFlags(command, flags);
+  AddRepairs(command, flags.query.options.cut.repair);
   AddOutputs(command, flags);
   AddDrawing(command, flags);
 }

@@ -29,6 +29,7 @@ void AddStageOptions(CLI::App& command, StageOptions& options, bool out_required
   AddOutput(command, "--svg", options.svg, "write an animation that loops", "FILE.svg");
   AddOutput(command, "--frames-svg", options.frames_svg, "write a sheet of eight frames",
             "FILE.svg");
+  AddRepairs(command, options.repairs);
   AddBasis(command, options.energy.basis, /*planar=*/true, "what moves rigidly; default edge");
   AddWeights(command, options.energy.weights, "of the edges; default uniform");
   CLI::Option* const as_published = command.add_flag(
@@ -107,7 +108,8 @@ Result<Stage> Stage::Open(const StageOptions& options) {
   energy.rigidity = stage.track_.rigidity;
   const std::vector<Origin> origins = stage.Origins();
   TRY(const auto registered,
-      InOwnWords(stage.session().RegisterMesh(stage.mesh_, energy, {}, call), origins));
+      InOwnWords(stage.session().RegisterMesh(stage.mesh_, energy, {}, call, options.repairs),
+                 origins));
   PrintWarnings(InOwnWords(registered.mesh.report.warnings, origins.front().counting));
   TRY(const auto compiled,
       InOwnWords(stage.session().CompileHandles(kHandleSet, registered.mesh.id,

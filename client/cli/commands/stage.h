@@ -27,6 +27,7 @@ struct StageOptions {
   std::string svg;         // animation, or empty
   std::string frames_svg;  // contact sheet, or empty
   EnergyOptions energy;
+  RepairOptions repairs;
   DeformOptions deform;
   Timeout timeout;
   bool as_published = false;

@@ -1,4 +1,5 @@
 // Automatic cuts: every piece becomes a disk, along short paths.
+#include <cmath>
 #include <numbers>
 #include <set>
 #include <string>
@@ -14,6 +15,7 @@
 namespace arap::testing {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -58,6 +60,48 @@ TEST(CutTest, ClosedSurfacesAreNamedOrCut) {
   const auto fault_torus = FaultOf(Torus(12, 8, 3, 1), {});
   EXPECT_EQ(fault_torus.kind, FaultKind::kNotADisk);
   EXPECT_THAT(fault_torus.message, HasSubstr("genus 1"));
+}
+
+// n × m cells whose rows are joined at both ends, with a half twist, and whose columns are too when
+// `closed`: a Moebius band or a bottle of Klein, in places that mean nothing but are all different.
+SurfaceMesh Twisted(std::uint32_t n, std::uint32_t m, bool closed) {
+  SurfaceMesh mesh;
+  const std::uint32_t rows = closed ? m : m + 1;
+  for (std::uint32_t j = 0; j < rows; ++j) {
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const double a = 2 * std::numbers::pi * i / n, r = 10 + (j - 0.5 * m) * std::cos(a / 2);
+      const double lift = closed ? std::sin(2 * std::numbers::pi * j / m) : 0;
+      mesh.vertices.push_back(
+          {r * std::cos(a), r * std::sin(a), (j - 0.5 * m) * std::sin(a / 2) + lift});
+    }
+  }
+  const auto at = [&](std::uint32_t i, std::uint32_t j) {
+    if (i == n) i = 0, j = m - j;
+    return (j % rows) * n + i;
+  };
+  for (std::uint32_t j = 0; j < m; ++j) {
+    for (std::uint32_t i = 0; i < n; ++i) {
+      mesh.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  }
+  return mesh;
+}
+
+TEST(CutTest, OneSidedSurfacesAreCutOpen) {
+  const CutSurface narrow = MustCutToDisks(MoebiusBand(12), 1, AutoCut());
+  EXPECT_EQ(narrow.cuts.size(), 1u);
+  EXPECT_EQ(narrow.auto_cuts, 1u);
+  EXPECT_THAT(Kinds(narrow.warnings), Contains("one_sided"));
+  // Straight across, more or less: half-way round from the first triangle.
+  const CutSurface wide = MustCutToDisks(Twisted(24, 4, false), 1, AutoCut());
+  EXPECT_GE(wide.cuts.size(), 4u);
+  EXPECT_LE(wide.cuts.size(), 8u);
+  const CutSurface bottle = MustCutToDisks(Twisted(20, 6, true), 1, AutoCut());
+  EXPECT_EQ(bottle.auto_cuts, bottle.cuts.size());
+  // The same cut as a seam.
+  const CutSurface again = MustCutToDisks(Twisted(20, 6, true), 1, WithSeams(bottle.cuts));
+  EXPECT_EQ(again.auto_cuts, 0u);
 }
 
 TEST(CutTest, TheSmallestClosedSurfaceCanBeCut) {

@@ -221,10 +221,13 @@ TEST(Repair, DuplicatesAreDroppedWhicheverWayTheyRun) {
   EXPECT_EQ(sides.TriangleOf(5), 10u);
   EXPECT_EQ(sides.PartsOf(11).begin, 5u);
   // A fault about the mended triangles is one about those given.
-  const Fault fault = sides.OfGiven(
-      Fault(FaultKind::kDegenerateTriangle, "Triangle 5.").Field("mesh.triangles").Element(5));
+  const Fault fault =
+      sides.OfGiven(Fault(FaultKind::kDegenerateTriangle,
+                          "Triangles 5, 0 and 7 are thin, not triangle 4: 5 in all.")
+                        .Field("mesh.triangles")
+                        .Element(5));
   EXPECT_THAT(fault.elements, ElementsAre(10));
-  EXPECT_THAT(fault.message, HasSubstr("triangle 5 is 10 of those given"));
+  EXPECT_EQ(fault.message, "Triangles 10, 0 and 14 are thin, not triangle 8: 5 in all.");
 }
 
 TEST(Repair, DoubledSheetsWithTheirOwnVerticesAreNotToldAsTwins) {

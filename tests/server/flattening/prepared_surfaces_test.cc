@@ -68,12 +68,17 @@ TEST(PreparedSurfacesTest, GrowthIsCounted) {
 
 TEST(SurfaceHashTest, TellsContentsApart) {
   const SurfaceMesh mesh = testing::SphereCap(2, 6, 1.0);
-  std::vector<CutOptions> cuts(6);
+  std::vector<CutOptions> cuts(11);
   cuts[1].auto_cut = true;
   cuts[2].split_non_manifold = true;
   cuts[3].tolerate_degenerate = true;
   cuts[4].seams = {{0, 1}};
   cuts[5].seams = {{1, 0}};
+  cuts[6].repair.weld = true;
+  cuts[7].repair.stitch = true;
+  cuts[8].repair.drop_duplicates = true;
+  cuts[9].repair.tolerance = 0;
+  cuts[10].repair.tolerance = 1e-3;
   std::vector<std::string> hashes;
   for (const CutOptions& cut : cuts) hashes.push_back(*ContentHash(mesh, cut));
   SurfaceMesh moved = mesh;

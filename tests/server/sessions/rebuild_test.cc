@@ -28,6 +28,29 @@ std::vector<Handle> AtVertices(const std::vector<std::uint32_t>& vertices) {
   return handles;
 }
 
+TEST(MeshBlobTest, RepairsAreKeptAndMeshesWithoutAreAsTheyWere) {
+  const PlanarMesh mesh = Mesh();
+  const EnergyOptions options{Basis::kFace, Weights::kCotangent, {}};
+  const std::string plain = EncodeMesh(mesh, options);
+  EXPECT_TRUE(plain.starts_with("arap planar mesh 1\n"));
+  EXPECT_EQ(EncodeMesh(mesh, options, {}), plain);
+  const RepairOptions all[] = {{.weld = true},
+                               {.drop_duplicates = true},
+                               {.stitch = true},
+                               {.tolerance = 0},
+                               {.weld = true, .stitch = true, .tolerance = 1e-3}};
+  for (const RepairOptions& repairs : all) {
+    const std::string bytes = EncodeMesh(mesh, options, repairs);
+    EXPECT_NE(bytes, plain);
+    const auto blob = DecodeMesh(bytes);
+    ASSERT_TRUE(blob);
+    EXPECT_EQ(blob->repairs, repairs);
+    EXPECT_EQ(blob->options, options);
+    EXPECT_EQ(blob->mesh, mesh);
+    EXPECT_FALSE(DecodeMesh(bytes.substr(0, 40)));
+  }
+}
+
 class WarmTest : public ::testing::Test {
  protected:
   WarmTest() { Start(*store::OpenStores({})); }

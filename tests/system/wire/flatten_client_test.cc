@@ -54,6 +54,9 @@ TEST_F(FlattenClientTest, EverythingArrivesAndComesBack) {
   options.cut.seams = {{base + 4, base + 5}};
   request.set_auto_cut(true);
   options.cut.auto_cut = true;
+  request.mutable_repair()->set_stitch(true);
+  request.mutable_repair()->set_tolerance(1e-4);
+  options.cut.repair = {.stitch = true, .tolerance = 1e-4};
   request.set_split_non_manifold(true);
   options.cut.split_non_manifold = true;
   request.set_tolerate_degenerate(true);

@@ -8,6 +8,7 @@
 #include "arap/model/energy.h"
 #include "arap/model/mesh.h"
 #include "arap/model/outline.h"
+#include "arap/model/repair.h"
 
 namespace arap::client {
 
@@ -19,6 +20,7 @@ using arap::PlanarMesh;
 using arap::Point3;
 using arap::QualityMesh;
 using arap::RegistrationReport;
+using arap::RepairOptions;
 using arap::SurfaceMesh;
 using arap::Triangle;
 using arap::Warning;
@@ -34,6 +36,7 @@ struct MeshInfo {
   // In force, without the rigidity. Empty for options of a newer server that this version has no
   // name for.
   std::optional<EnergyOptions> energy;
+  RepairOptions repairs;  // in force
 };
 
 // The answer to RegisterMesh.

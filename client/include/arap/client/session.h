@@ -58,10 +58,10 @@ class Session {
   // Ends the session; its open streams end with kNotFound.
   Status Delete(const CallOptions& call = {}) const;
 
-  // Validates and factors a mesh. An empty `mesh_id` means one made of the content hash.
+  // Mends, validates and factors a mesh. An empty `mesh_id` means one made of the content hash.
   Result<Registration> RegisterMesh(const PlanarMesh& mesh, const EnergyOptions& energy,
-                                    const std::string& mesh_id = {},
-                                    const CallOptions& call = {}) const;
+                                    const std::string& mesh_id = {}, const CallOptions& call = {},
+                                    const RepairOptions& repairs = {}) const;
   Result<MeshInfo> GetMesh(const std::string& mesh_id, const CallOptions& call = {}) const;
   // Forgets a mesh and the handle sets on it.
   Status DeleteMesh(const std::string& mesh_id, const CallOptions& call = {}) const;

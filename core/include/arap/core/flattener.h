@@ -36,7 +36,7 @@ using FlattenProgress = std::function<void(std::string_view phase, double fracti
 
 // What can be said of the options without the surface, of which only the number of triangles
 // counts: Flatten says the same before anything else. Faults: kInvalidOption (field "refine",
-// "refine_stop", "energy.basis", "energy.weights", "energy.rigidity", "pins[i].u", "pins[i].v",
+// "refine_stop", "repair.tolerance", "energy.basis", "energy.weights", "energy.rigidity", "pins[i].u", "pins[i].v",
 // "pins[i].weight", "grain_lines[i].angle"), kArrayLength ("energy.rigidity").
 Status CheckFlattenOptions(const FlattenOptions& options, std::size_t triangles);
 

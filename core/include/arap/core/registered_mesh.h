@@ -10,6 +10,7 @@
 #include "arap/base/result.h"
 #include "arap/model/energy.h"
 #include "arap/model/mesh.h"
+#include "arap/model/repair.h"
 
 namespace arap {
 
@@ -32,6 +33,18 @@ class RegisteredMesh {
                                                                 const EnergyOptions& options,
                                                                 const MeshLimits& limits = {},
                                                                 const CancelToken& cancel = {});
+  // The same for a mesh that is mended first. What was asked for and what could be asked for are
+  // warnings of report(). Vertices keep their numbers: those that were welded have one place at rest,
+  // that of the lowest, and in every shape, and a handle may be on any of them. Triangles are those that
+  // were given too, for anchors, rigidity, flipped triangles, picks and the drawing order; mesh() has the
+  // triangles that are computed with, and ShapeQuality counts those.
+  //
+  // More faults: kInvalidOption (fields "repair.tolerance", "repair.stitch").
+  static Result<std::shared_ptr<const RegisteredMesh>> Register(PlanarMesh mesh,
+                                                                const EnergyOptions& options,
+                                                                const RepairOptions& repairs,
+                                                                const MeshLimits& limits = {},
+                                                                const CancelToken& cancel = {});
   // What Register says of the options of a mesh with so many triangles, for who takes memory first:
   // kArrayLength and kInvalidOption for the rigidity.
   static Status CheckOptions(const EnergyOptions& options, std::size_t triangles);
@@ -39,9 +52,11 @@ class RegisteredMesh {
   RegisteredMesh(const RegisteredMesh&) = delete;
   RegisteredMesh& operator=(const RegisteredMesh&) = delete;
 
-  // The mesh as registered: triangles turned counter-clockwise, positions as they were given.
+  // The mesh as registered: mended where that was asked for, triangles turned counter-clockwise,
+  // positions as they were given.
   const PlanarMesh& mesh() const;
   const EnergyOptions& options() const;
+  const RepairOptions& repairs() const;
   // Counts, measures, warnings, and the bytes that the factors and tables hold.
   const RegistrationReport& report() const;
 
@@ -51,6 +66,7 @@ class RegisteredMesh {
  private:
   static Result<std::shared_ptr<const RegisteredMesh>> Make(PlanarMesh mesh,
                                                             const EnergyOptions& options,
+                                                            const RepairOptions& repairs,
                                                             const MeshLimits& limits,
                                                             const CancelToken& cancel);
   explicit RegisteredMesh(std::unique_ptr<const RegisteredMeshParts> parts);

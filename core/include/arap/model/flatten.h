@@ -11,6 +11,7 @@
 
 #include "arap/model/energy.h"
 #include "arap/model/mesh.h"
+#include "arap/model/repair.h"
 
 namespace arap {
 
@@ -56,14 +57,17 @@ struct CutOptions {
   // boundary, and one that parts nothing because it is cut on its own inside the surface, is left
   // alone with a warning. An edge of three or more triangles is cut apart into all of them.
   std::vector<std::array<std::uint32_t, 2>> seams;
-  // Cut whatever is then no disk: closed surfaces, handles and all boundaries but one, along short
-  // paths that keep to places of high curvature.
+  // Cut whatever is then no disk: one-sided surfaces, closed ones, handles and all boundaries but one,
+  // along short paths that keep to places of high curvature.
   bool auto_cut = false;
   // Edges of three or more triangles become boundary of all of them, and a vertex where parts touch
   // in nothing else is doubled, instead of being faults.
   bool split_non_manifold = false;
   // Triangles without area are let through. Not when a whole chart has none.
   bool tolerate_degenerate = false;
+  // What is mended before anything else. Seams, pins and grain lines may name any vertex of those that
+  // are welded, and an edge that is split when it is stitched.
+  RepairOptions repair;
 
   bool operator==(const CutOptions&) const = default;
 };
@@ -172,8 +176,11 @@ struct FlattenTimes {
 
 // A flat surface, true to size, every chart on its smallest rectangle. #U > #V where it was cut.
 struct Flattening {
-  std::vector<Complex> uv;                              // #U
-  std::vector<std::uint32_t> source;                    // #U, input vertices; the first #V in order
+  std::vector<Complex> uv;            // #U
+  std::vector<std::uint32_t> source;  // #U, input vertices; the first #V in order
+  // #V where vertices were welded, else empty: the vertex that stands for each. Corners have positions
+  // whose `source` stands for theirs, and a welded vertex lies where its lowest triangle has it.
+  std::vector<std::uint32_t> welded;
   std::vector<std::array<std::uint32_t, 3>> corner_uv;  // #F, in the order of the input's corners
   std::vector<std::uint32_t> triangle_chart;            // #F
   std::vector<FlatChart> charts;                        // by lowest triangle
