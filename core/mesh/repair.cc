@@ -315,9 +315,9 @@ Warning Repair::OfGiven(Warning warning) const {
 std::vector<std::array<std::uint32_t, 2>> Repair::OfMended(
     std::vector<std::array<std::uint32_t, 2>> edges) const {
   for (std::size_t i = 0, count = edges.size(); i < count; ++i) {
-    const auto [low, high] = std::minmax({VertexOf(edges[i][0]), VertexOf(edges[i][1])});
-    edges[i] = {low, high};
-    const auto found = split.find(edges[i]);
+    edges[i] = {VertexOf(edges[i][0]), VertexOf(edges[i][1])};
+    const auto [low, high] = std::minmax({edges[i][0], edges[i][1]});
+    const auto found = split.find({low, high});
     if (found == split.end()) continue;
     std::uint32_t last = found->second.front();
     edges[i] = {low, last};

@@ -15,7 +15,6 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::Not;
 using ::testing::SizeIs;
 
 // A quarter tube of radius 20 and length 30 in 6 × 3 cells between two angles; adds to `mesh`.
@@ -131,8 +130,14 @@ TEST(MendedSurfaces, SoupsAreToldAndWelded) {
 TEST(MendedSurfaces, TJunctionsAreToldAndStitched) {
   // Three rows meet two; the ends are twins.
   const SurfaceMesh mesh = Halves(2);
-  const Flattening open = Flat(mesh, {.weld = true});
-  EXPECT_THAT(Kinds(open), Contains("t_junctions"));
+  EXPECT_THAT(Kinds(Flat(mesh, {})), Contains("t_junctions"));
+  FlattenOptions welded = Refined();
+  welded.cut.repair.weld = true;
+  const auto open = Flatten(mesh, welded);
+  ASSERT_FALSE(open);
+  EXPECT_EQ(open.error().kind, FaultKind::kNonManifoldVertex);
+  EXPECT_THAT(open.error().message, HasSubstr("3 T-junctions"));
+  EXPECT_THAT(open.error().message, HasSubstr("stitch joins it"));
   const Flattening flat = Flat(mesh, {.weld = true, .stitch = true});
   ExpectOnePiece(mesh, flat, kWidth, 30);
   EXPECT_THAT(Kinds(flat), ElementsAre("welded_vertices", "split_triangles"));
