@@ -334,8 +334,10 @@ std::vector<Origin> OriginsOf(const FlattenFlags& flags, const FlattenTexts& tex
         std::pair("energy.weights", "--weights"), std::pair("anchors", "--anchors"),
         std::pair("refine", "--refine"), std::pair("refine_stop", "--refine-stop"),
         std::pair("injective", "--injective"), std::pair("surface_key", "--surface-key"),
+        std::pair("repair.tolerance", "--weld"), std::pair("repair.stitch", "--stitch"),
         std::pair("session_id", "--job"), std::pair("job_id", "--job")}) {
-    origins.push_back({field, "", mesh, [flag](std::string_view) { return std::string(flag); }});
+    origins.push_back(
+        {field, "", mesh, [name = std::string(flag)](std::string_view) { return name; }});
   }
   return origins;
 }

@@ -131,6 +131,8 @@ std::vector<Origin> Stage::Origins() const {
           InTrack("handles", "the handle", {"handles"}),
           flag("energy.basis", "--basis"),
           flag("energy.weights", "--weights"),
+          flag("repair.tolerance", "--weld"),
+          flag("repair.stitch", "--stitch"),
           flag("options.mode", "--mode"),
           flag("options.refine", "--refine"),
           flag("pick_points", "--pick")};
