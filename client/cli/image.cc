@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <string_view>
@@ -113,7 +112,7 @@ Result<Image> ReadPng(const std::string& path) {
                                                              &std::fclose);
   if (!file) {
     return Fail(FaultKind::kNotFound,
-                fmt::format("cannot read {}: {}", path, std::strerror(errno)));
+                fmt::format("cannot read {}: {}", path, std::generic_category().message(errno)));
   }
   PngReader reader;
   if (png_image_begin_read_from_stdio(&reader.image, file.get()) == 0) {

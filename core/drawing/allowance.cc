@@ -161,6 +161,7 @@ class Pen {
 
   std::vector<Ring> Moved(const std::vector<Ring>& curves) const {
     std::vector<Ring> moved;
+    moved.reserve(curves.size());
     for (const Ring& curve : curves) moved.push_back(Moved(curve));
     return moved;
   }
