@@ -5,7 +5,6 @@
 #include <functional>
 #include <numbers>
 #include <optional>
-#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -14,7 +13,7 @@
 
 #include "core/base/try.h"
 #include "core/files/json_text.h"
-#include "core/files/text_file.h"
+#include "core/files/text_scan.h"
 
 namespace arap::cli {
 namespace {
@@ -58,13 +57,12 @@ auto NotFinite(const std::string& word) {
 // Calls `read` with the number and the words of every line that has any.
 Status ReadLines(std::string_view text,
                  const std::function<Status(std::size_t number, const Words& words)>& read) {
-  for (std::size_t number = 1; !text.empty(); ++number) {
-    const std::string_view line = TakeLine(text);
-    std::istringstream stream(std::string(line.substr(0, line.find('#'))));
+  TextScanner scanner(text);
+  do {
     Words words;
-    for (std::string word; stream >> word;) words.push_back(std::move(word));
-    if (!words.empty()) CHECK_OK(read(number, words));
-  }
+    for (auto word = scanner.Word(); !word.empty(); word = scanner.Word()) words.emplace_back(word);
+    if (!words.empty()) CHECK_OK(read(scanner.line(), words));
+  } while (scanner.NextLine());
   return {};
 }
 
