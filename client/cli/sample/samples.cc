@@ -209,7 +209,7 @@ PlanarMesh MakeGrid(std::size_t columns, std::size_t rows) {
 }
 
 Track MakeGridTrack(const PlanarMesh& mesh, std::size_t columns, std::size_t rows) {
-  constexpr int kFrames = 60;
+  constexpr int kGridFrames = 60;
   constexpr double kLargestAngle = std::numbers::pi / 2;
   const double width = static_cast<double>(columns - 1);
   const double height = static_cast<double>(rows - 1);
@@ -221,8 +221,8 @@ Track MakeGridTrack(const PlanarMesh& mesh, std::size_t columns, std::size_t row
   constexpr std::array<const char*, 4> kNames{"lower_left", "lower_right", "upper_right",
                                               "upper_left"};
   for (std::size_t k = 0; k < corners.size(); ++k) AddHandle(mesh, kNames[k], corners[k], track);
-  for (int i = 0; i < kFrames; ++i) {
-    const double s = std::sin(std::numbers::pi * i / kFrames);
+  for (int i = 0; i < kGridFrames; ++i) {
+    const double s = std::sin(std::numbers::pi * i / kGridFrames);
     const Point turn = std::polar(1.0, kLargestAngle * s * s);
     TrackFrame& frame = track.frames.emplace_back();
     frame.kind = i == 0 ? "rest" : "turn";
