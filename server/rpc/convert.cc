@@ -122,7 +122,23 @@ Result<std::vector<Target>> FromWire(const v1::DeformTrackRequest& request, std:
   return targets;
 }
 
+namespace {
+
+// Positions come as floats of all vertices and without an origin, which is what an empty one means.
+Status CheckAnswered(const v1::DeformOptions& options) {
+  const char* field = nullptr;
+  if (options.encoding() > v1::POSITION_ENCODING_FLOAT32) field = "options.encoding";
+  if (options.boundary_only()) field = "options.boundary_only";
+  if (options.vertex_subset_size() > 0) field = "options.vertex_subset";
+  if (field == nullptr) return {};
+  return Fail(
+      Fault(FaultKind::kUnimplemented, fmt::format("{} is not there yet.", field)).Field(field));
+}
+
+}  // namespace
+
 Result<ShapeOptions> FromWire(const v1::DeformOptions& options, const Limits& limits) {
+  CHECK_OK(CheckAnswered(options));
   TRY(const DeformOptions deform, FromWire(options, limits.max_refine));
   return ShapeOptions{deform, options.float64(), options.include_flipped_ids()};
 }
