@@ -44,9 +44,10 @@ struct ConnectionBounds {
   double unknown_calls_per_second = 16;
   std::chrono::milliseconds probation = std::chrono::seconds(30);
   double probation_connections_per_second = 10;
-  // Calls of one connection that have begun and not ended. HTTP/2 bounds those that are open, but
-  // not those that a client has reset and that nobody has cleared away yet.
-  std::size_t most_calls = 2'048;
+  // Calls of one connection that have begun and not ended. HTTP/2 bounds those that are open (320),
+  // but not those that a client has reset and that nobody has cleared away yet. This is twice as
+  // many: until a connection is cut, gRPC takes in up to thirty times as many with 8 KB each.
+  std::size_t most_calls = 640;
   // Requests that have begun to come in and are not complete: how many, how many bytes of them all,
   // and how long each may take.
   std::size_t most_receiving = 1'024;
