@@ -1,0 +1,153 @@
+// Deformed meshes: what to ask for and what comes back.
+import { checkCount, checkFinite, checkId, checkIndices, checkNumbers, index, numberRun, present, runOf,
+  toEnum } from "./checks.js";
+import type { MeshSize, Names } from "./checks.js";
+import { badAnswer, badOption } from "./errors.js";
+import { DeformMode } from "./gen/arap/v1/DeformMode.js";
+import type { DeformModeAnswer } from "./gen/arap/v1/DeformMode.js";
+import type { DeformOptions as WireOptions } from "./gen/arap/v1/DeformOptions.js";
+import type { PickResultAnswer } from "./gen/arap/v1/PickResult.js";
+import type { ShapeAnswer } from "./gen/arap/v1/Shape.js";
+import type { Point } from "./handles.js";
+import { float32Run, float64Run, uint32Run } from "./runs.js";
+import type { Numbers } from "./runs.js";
+
+/** How to deform, and how to answer. */
+export interface ShapeOptions {
+  /** What to minimise. Default "rigid". */
+  mode?: Names<DeformModeAnswer, "DEFORM_MODE_">;
+  /** Iterations of the second step from its own result. Default 0. */
+  refine?: number;
+  /** Positions in double precision on the wire: a Float64Array. */
+  float64?: boolean;
+  /** Also answer the ids of flipped triangles. */
+  flippedIds?: boolean;
+}
+
+/** Where a point of a deformed shape was at rest. */
+export interface Pick {
+  /** The highest depth, then the lowest index, where triangles overlap. */
+  triangle: number;
+  /** In units of the mesh. */
+  rest: Point;
+  barycentric: readonly [number, number, number];
+}
+
+/** A deformed mesh and how good it is. */
+export interface Shape {
+  /** x y x y…, length 2·#V, in units of the mesh. A Float64Array where float64 was asked. Yours to keep and change. */
+  positions: Float32Array | Float64Array;
+  /** Of the update that it answers, or the frame's index. */
+  sequence: number;
+  /** Updates that newer ones replaced since the last answer. */
+  replaced: number;
+  /** Triangles whose orientation is reversed. */
+  flippedCount: number;
+  /** Their ids, when asked. */
+  flippedIds: Uint32Array;
+  /** Largest distance between a handle and its target, in units of the mesh. */
+  worstHandleError: number;
+  /** Empty without handles. */
+  worstHandleId: string;
+  energy: number;
+  /** Area-weighted mean over triangles of the larger of s1 and 1/s2. */
+  meanStretch: number;
+  maxStretch: number;
+  /** That the update waited for a worker. */
+  queueMicros: number;
+  /** That it took to compute. */
+  solveMicros: number;
+  /** One per picked point; null where nothing lies. */
+  picks: (Pick | null)[];
+  /** Of the handle set that made this shape. */
+  handleSetRevision: number;
+}
+
+/** At most so many points of a message are picked. */
+const maxPicks = 1024;
+
+export const shapeOptionsToWire = (options: ShapeOptions): WireOptions => ({
+  ...(options.mode && { mode: toEnum(DeformMode, "DEFORM_MODE_", options.mode, "options.mode") }),
+  refine: index(options.refine ?? 0, "options.refine"),
+  float64: options.float64 ?? false,
+  includeFlippedIds: options.flippedIds ?? false,
+});
+
+export function picksToWire(points: Numbers, field: string): Uint8Array {
+  if (points.length % 2 !== 0) throw badOption(field, `${field} has ${points.length} numbers, an odd count.`);
+  return numberRun(points, field);
+}
+
+/** What a shape was asked to be. */
+export interface ShapeQuestion {
+  options: ShapeOptions;
+  /** When it is known. */
+  mesh: MeshSize | undefined;
+  /** As many as were asked; undefined when that is not known any more. */
+  picks: number | undefined;
+}
+
+function pickOf(pick: PickResultAnswer, mesh: MeshSize | undefined): Pick | null {
+  if (!pick.hit) return null;
+  if (mesh) checkIndices([pick.triangle], mesh.triangles, "triangle");
+  const weights = runOf(pick.barycentric, float64Run, "weights");
+  checkCount(weights.length, 3, "weights of a pick");
+  const rest = present(pick.rest, "the place of a pick");
+  const barycentric = [weights[0]!, weights[1]!, weights[2]!] as const;
+  checkNumbers([rest.x, rest.y, ...barycentric], "a pick");
+  return { triangle: pick.triangle, rest: [rest.x, rest.y], barycentric };
+}
+
+function positionsOf(shape: ShapeAnswer, asked: ShapeQuestion): Float32Array | Float64Array {
+  const double = asked.options.float64 === true;
+  const other = double ? shape.positions : shape.positions64;
+  if (other.length > 0) throw badAnswer("The server answered a shape in another precision than was asked.");
+  const positions = double
+    ? runOf(shape.positions64, float64Run, "positions")
+    : runOf(shape.positions, float32Run, "positions");
+  if (positions.length % 2 !== 0) throw badAnswer("The server answered half a position.");
+  if (positions.length === 0) throw badAnswer("The server answered an empty shape.");
+  if (asked.mesh && positions.length !== 2 * asked.mesh.vertices) {
+    throw badAnswer(
+      `The server answered a shape of ${positions.length / 2} vertices; the mesh has ${asked.mesh.vertices}.`,
+    );
+  }
+  checkFinite(positions, 2, "the position of vertex");
+  return positions;
+}
+
+function flippedOf(shape: ShapeAnswer, asked: ShapeQuestion): Uint32Array {
+  const flipped = runOf(shape.flippedIds, uint32Run, "flipped triangles");
+  if (!asked.options.flippedIds) checkCount(flipped.length, 0, "flipped triangles");
+  if (asked.mesh) {
+    checkIndices(flipped, asked.mesh.triangles, "triangle");
+    if (flipped.length > asked.mesh.triangles) {
+      throw badAnswer("The server answered more flipped triangles than there are triangles.");
+    }
+  }
+  return flipped;
+}
+
+export function shapeOf(answer: ShapeAnswer | null | undefined, asked: ShapeQuestion): Shape {
+  const shape = present(answer, "the shape");
+  const positions = positionsOf(shape, asked);
+  checkNumbers([shape.worstHandleError, shape.energy, shape.meanStretch, shape.maxStretch], "the quality of a shape");
+  if (shape.worstHandleId !== "") checkId(shape.worstHandleId, "", "handle");
+  checkCount(shape.picks.length, asked.picks ?? Math.min(shape.picks.length, maxPicks), "picks");
+  return {
+    positions,
+    sequence: shape.sequence,
+    replaced: shape.replaced,
+    flippedCount: shape.flippedCount,
+    flippedIds: flippedOf(shape, asked),
+    worstHandleError: shape.worstHandleError,
+    worstHandleId: shape.worstHandleId,
+    energy: shape.energy,
+    meanStretch: shape.meanStretch,
+    maxStretch: shape.maxStretch,
+    queueMicros: shape.queueMicros,
+    solveMicros: shape.solveMicros,
+    picks: shape.picks.map((pick) => pickOf(pick, asked.mesh)),
+    handleSetRevision: shape.handleSetRevision,
+  };
+}
