@@ -1,0 +1,149 @@
+"""What goes wrong: ArapError, which every call of this package raises and nothing else.
+
+    reason       one of Reason: what the server calls it, or for a transport that failed DRAINING
+                 (nobody there, or the server is going away), OVERLOADED, DEADLINE_EXCEEDED,
+                 CANCELLED, UNIMPLEMENTED or INTERNAL
+    code         the canonical grpc.StatusCode
+    message      the sentence of the server
+    field        the request field at fault in proto spelling ("handles[3].weight"), or ""
+    elements     the first offending vertices, triangles or handles
+    retry_after  seconds to wait before trying again; None when that does not help
+    details      the other values of the message by name; "request_id" is what the server's logs call
+                 the call
+
+Arguments of a wrong shape or type (an array that is not n×2, a method that does not exist) are
+ValueError or TypeError, raised before anything is sent.
+"""
+
+from __future__ import annotations
+
+import enum
+import re
+from typing import NoReturn
+
+import grpc
+from google.protobuf.message import DecodeError
+
+from . import _wire
+
+_PREFIX = "ERROR_REASON_"
+_CODES = {code.value[0]: code for code in grpc.StatusCode}
+_Status = _wire.message("google.rpc.Status")
+_ErrorInfo = _wire.message("google.rpc.ErrorInfo")
+_BadRequest = _wire.message("google.rpc.BadRequest")
+_RetryInfo = _wire.message("google.rpc.RetryInfo")
+
+# The reasons of errors.proto, and for each its own name: Reason.NOT_FOUND == "NOT_FOUND".
+Reason = enum.Enum(
+    "Reason",
+    {name.removeprefix(_PREFIX): name.removeprefix(_PREFIX)
+     for name, number in _wire.enum_names("ErrorReason").items() if number != 0},
+    type=str, module=__name__)
+
+_REASON_OF_CODE = {
+    grpc.StatusCode.UNAVAILABLE: Reason.DRAINING,
+    grpc.StatusCode.RESOURCE_EXHAUSTED: Reason.OVERLOADED,
+    grpc.StatusCode.DEADLINE_EXCEEDED: Reason.DEADLINE_EXCEEDED,
+    grpc.StatusCode.CANCELLED: Reason.CANCELLED,
+    grpc.StatusCode.UNIMPLEMENTED: Reason.UNIMPLEMENTED,
+}
+
+
+class ArapError(Exception):
+    """See the head of this file."""
+
+    def __init__(self, reason: Reason, message: str, code: grpc.StatusCode, *, field: str = "",
+                 elements: tuple[int, ...] = (), retry_after: float | None = None,
+                 details: dict[str, str] | None = None):
+        super().__init__(message)
+        self.reason = reason
+        self.message = message
+        self.code = code
+        self.field = field
+        self.elements = elements
+        self.retry_after = retry_after
+        self.details = details or {}
+
+    def __str__(self) -> str:
+        return f"{self.reason.value}: {self.message}"
+
+    def __reduce__(self):
+        return _made, (self.reason.value, self.message, self.code, self.field, self.elements,
+                       self.retry_after, self.details)
+
+
+def _made(reason, message, code, field, elements, retry_after, details):
+    return ArapError(Reason(reason), message, code, field=field, elements=elements,
+                     retry_after=retry_after, details=details)
+
+
+def of_status(status) -> ArapError:
+    """The error that a google.rpc.Status tells of."""
+    code = _CODES.get(status.code, grpc.StatusCode.UNKNOWN)
+    error = ArapError(_REASON_OF_CODE.get(code, Reason.INTERNAL), status.message, code)
+    info, bad_request, retry = _ErrorInfo(), _BadRequest(), _RetryInfo()
+    for detail in status.details:
+        try:
+            if detail.Unpack(info):
+                _read(info, error)
+            elif detail.Unpack(bad_request) and bad_request.field_violations:
+                error.field = bad_request.field_violations[0].field
+            elif detail.Unpack(retry):
+                error.retry_after = retry.retry_delay.ToNanoseconds() * 1e-9
+        except DecodeError:
+            continue  # of a broken proxy; the code and the message still count
+    return error
+
+
+def _read(info, error: ArapError) -> None:
+    try:
+        error.reason = Reason(info.reason)
+    except ValueError:  # of a newer server; the code has chosen one
+        error.details["reason"] = info.reason
+    for name, value in sorted(info.metadata.items()):
+        if name == "elements":
+            error.elements = tuple(int(digits) for digits in re.findall(r"[0-9]+", value))
+        else:
+            error.details[name] = value
+
+
+def of_rpc(code: grpc.StatusCode, message: str, details: bytes) -> ArapError:
+    """The error of a call that ended so; `details` are its "grpc-status-details-bin"."""
+    status = _Status()
+    try:
+        status.ParseFromString(details)
+    except DecodeError:
+        status.Clear()
+    status.code = code.value[0]
+    status.message = message
+    return of_status(status)
+
+
+def bad_answer(sentence: str) -> ArapError:
+    """The server sent what was not asked for."""
+    return ArapError(Reason.INTERNAL, sentence, grpc.StatusCode.INTERNAL)
+
+
+def protocol(sentence: str) -> ArapError:
+    return ArapError(Reason.PROTOCOL, sentence, grpc.StatusCode.FAILED_PRECONDITION)
+
+
+def cancelled(sentence: str) -> ArapError:
+    return ArapError(Reason.CANCELLED, sentence, grpc.StatusCode.CANCELLED)
+
+
+def gone(sentence: str) -> ArapError:
+    return ArapError(Reason.DRAINING, sentence, grpc.StatusCode.UNAVAILABLE)
+
+
+def overdue(sentence: str) -> ArapError:
+    return ArapError(Reason.DEADLINE_EXCEEDED, sentence, grpc.StatusCode.DEADLINE_EXCEEDED)
+
+
+def invalid_option(sentence: str, field: str) -> ArapError:
+    return ArapError(Reason.INVALID_OPTION, sentence, grpc.StatusCode.INVALID_ARGUMENT, field=field)
+
+
+def refuse(sentence: str) -> NoReturn:
+    """Raises what tells of a server that answered `sentence`."""
+    raise bad_answer(f"The server answered {sentence}")
