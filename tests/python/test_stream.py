@@ -167,3 +167,32 @@ def test_the_end_of_the_session_is_the_end_of_the_stream(puppet):
         assert gone.value.reason is Reason.NOT_FOUND
         with pytest.raises(arapd.ArapError):
             stream.read()
+
+
+class Interrupted:
+    """A call whose next read is hit by Ctrl-C."""
+
+    def __init__(self, rpc):
+        self._rpc = rpc
+
+    def __next__(self):
+        raise KeyboardInterrupt
+
+    def __getattr__(self, name):
+        return getattr(self._rpc, name)
+
+
+def test_a_read_that_is_interrupted_ends_the_call_and_a_stream_that_resumes_goes_on(puppet):
+    with puppet.open_stream("h", arapd.StreamOptions(resume_within=60)) as stream:
+        stream.send({"r": (8, 2)})
+        assert stream.read().sequence == 1
+        call = stream._core.call
+        rpc, call._rpc = call._rpc, Interrupted(call._rpc)
+        with pytest.raises(KeyboardInterrupt):
+            stream.read()
+        call._rpc = rpc
+        stream.send({"l": (0, 1)})
+        assert isinstance(stream.read(), arapd.Resumed)
+        shape = stream.read()
+        assert shape.sequence == 2
+        np.testing.assert_allclose(shape.positions[8], (8, 2), atol=1e-2)

@@ -117,7 +117,7 @@ class _Driver:
                 while True:
                     command = program.send(told)
                     if isinstance(command, Changed):
-                        told = self.changed.wait(command.seconds)
+                        told = self._wait(command.seconds)
                         continue
                     self.changed.release()
                     try:
@@ -128,6 +128,12 @@ class _Driver:
                 return stop.value
             finally:
                 program.close()
+
+    def _wait(self, seconds: float | None) -> bool:
+        if seconds is None:
+            return self.changed.wait()
+        with self.channel.reconnecting():  # only pauses between openings have an end
+            return self.changed.wait(seconds)
 
     def watch(self) -> None:
         with self.changed:

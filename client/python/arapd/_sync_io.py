@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import math
 import threading
@@ -36,6 +37,9 @@ class Reading:
             self.ended = _OK
         except grpc.RpcError:
             self.ended = ended_by(self._rpc)
+        except BaseException:  # Ctrl-C: grpc has asked for a message that nobody would take
+            self.cancel()
+            raise
         return None
 
     def read_within(self, seconds: float) -> bytes | None:
@@ -164,11 +168,27 @@ class Channel:
         self._grpc.close()
 
     def wait_ready(self, timeout: float) -> bool:
+        ready = grpc.channel_ready_future(self._grpc)
         try:
-            grpc.channel_ready_future(self._grpc).result(timeout)
+            ready.result(timeout)
         except grpc.FutureTimeoutError:
             return False
+        finally:
+            ready.cancel()
         return True
+
+    @contextlib.contextmanager
+    def reconnecting(self) -> Iterator[None]:
+        """While it lasts the channel looks for its server. grpc does nothing by itself between calls,
+        so that one after a pause would still hear what was so before it."""
+        def ignore(_: Any) -> None:
+            pass
+
+        self._grpc.subscribe(ignore, try_to_connect=True)
+        try:
+            yield
+        finally:
+            self._grpc.unsubscribe(ignore)
 
     def begin(self, command: Begin) -> Talking:
         method = functools.partial(self._call, self._grpc.stream_stream(command.path))
@@ -191,7 +211,8 @@ class Channel:
                 return ended_by(error)
             return Ended(grpc.StatusCode.OK, answer=answer)
         if isinstance(command, Pause):
-            return time.sleep(command.seconds)
+            with self.reconnecting():
+                return time.sleep(command.seconds)
         if isinstance(command, Start):
             return Reading(self._call(self._grpc.unary_stream(command.path), command.request,
                                       timeout=command.timeout, metadata=command.metadata))
