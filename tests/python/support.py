@@ -3,6 +3,7 @@ that say what they waited for."""
 
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import threading
@@ -12,6 +13,7 @@ import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ARAPD = os.environ.get("ARAPD", str(ROOT / "build/dev/bin/arapd"))
+ARAPCTL = os.environ.get("ARAPCTL", str(ROOT / "build/dev/bin/arapctl"))
 PATIENCE = 120.0  # seconds; nothing that works takes so long
 
 
@@ -25,10 +27,10 @@ def wait_until(true, what):
 
 class Server:
     """arapd on a unix socket in `folder`, with its sessions there too, so that it may be started
-    again."""
+    again; or where `listen` says."""
 
-    def __init__(self, folder, *flags):
-        self.address = f"unix:{folder}/socket"
+    def __init__(self, folder, *flags, listen=None):
+        self.address = listen or f"unix:{folder}/socket"
         self._command = [ARAPD, "--listen", self.address, "--store", f"sqlite:{folder}/state",
                          "--no-admin", "--access-log", "off", *flags]
         self._process = None
@@ -42,6 +44,8 @@ class Server:
         wait_until(lambda: any("listening on" in line for line in self._lines)
                    or self._process.poll() is not None, "arapd to listen")
         assert self._process.poll() is None, "".join(self._lines)
+        if self.address.endswith(":0"):  # any free port: it says which
+            self.address = re.search(r"listening on (\S+:[0-9]+)", "".join(self._lines))[1]
         return self
 
     def _read(self, process):
@@ -50,6 +54,14 @@ class Server:
 
     def signal(self, number):
         self._process.send_signal(number)
+
+    def freeze(self):
+        """Every thread of it has stopped."""
+        self.signal(signal.SIGSTOP)
+        os.waitid(os.P_PID, self._process.pid, os.WSTOPPED)
+
+    def thaw(self):
+        self.signal(signal.SIGCONT)
 
     def wait(self):
         return self._process.wait(PATIENCE)

@@ -3,7 +3,6 @@
 import math
 import pickle
 import re
-import signal
 
 import grpc
 import numpy as np
@@ -173,10 +172,10 @@ def test_limits_and_time(tmp_path):
                 session.register_mesh(V, T)
             assert large.value.reason is Reason.MESH_TOO_LARGE
             assert large.value.retry_after == 3600
-            server.signal(signal.SIGSTOP)
+            server.freeze()
             with pytest.raises(ArapError) as late:
                 session.info(timeout=0.1)
-            server.signal(signal.SIGCONT)
+            server.thaw()
             assert late.value.reason is Reason.DEADLINE_EXCEEDED
 
 

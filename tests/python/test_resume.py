@@ -33,11 +33,11 @@ def drain(server, connected):
 
 
 def freeze(server, connected):
-    server.signal(signal.SIGSTOP)
+    server.freeze()
     try:
         wait_until(lambda: not connected(), "the silence to be noticed")
     finally:
-        server.signal(signal.SIGCONT)
+        server.thaw()
 
 
 HARMS = [kill, drain, freeze]
