@@ -12,6 +12,7 @@ export type { Anchor, Compilation, Handle, HandleSetInfo, HandleTarget, PlacedHa
 export type {
   Basis, EdgeWeights, EnergyOptions, MeshInfo, OutlineMesh, PlanarMesh, Registration, RepairOptions, SurfaceMesh, Warning,
 } from "./mesh.js";
+export type { PositionOptions, Positions } from "./positions.js";
 export type { Indices, Numbers } from "./runs.js";
 export { Session } from "./session.js";
 export type { RegisterOptions, SessionInfo } from "./session.js";

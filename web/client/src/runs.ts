@@ -19,12 +19,14 @@ function view<T>(bytes: Uint8Array, type: Constructor<T>): T {
     return new type(bytes.buffer, bytes.byteOffset, bytes.length / size);
   }
   const copy = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length);
+  if (swaps && size === 2) Buffer.from(copy).swap16();
   if (swaps && size === 4) Buffer.from(copy).swap32();
   if (swaps && size === 8) Buffer.from(copy).swap64();
   return new type(copy, 0, bytes.length / size);
 }
 
 export const float32Run = (bytes: Uint8Array): Float32Array => view(bytes, Float32Array);
+export const int16Run = (bytes: Uint8Array): Int16Array => view(bytes, Int16Array);
 export const float64Run = (bytes: Uint8Array): Float64Array => view(bytes, Float64Array);
 
 /** Unsigned numbers of 32 bits that were packed as varints. */

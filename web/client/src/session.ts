@@ -13,6 +13,7 @@ import { download, hasEnded, jobOf, watch } from "./jobs.js";
 import type { FlattenJob } from "./jobs.js";
 import { energyToWire, meshInfoOf, meshToWire, repairToWire } from "./mesh.js";
 import type { EnergyOptions, MeshInfo, PlanarMesh, Registration, RepairOptions, SurfaceMesh } from "./mesh.js";
+import { verticesOf } from "./positions.js";
 import type { Numbers } from "./runs.js";
 import { picksToWire, shapeOf, shapeOptionsToWire } from "./shape.js";
 import type { Shape, ShapeOptions } from "./shape.js";
@@ -170,7 +171,9 @@ export class Session {
       pickPoints: picksToWire(pickPoints, "pick_points"),
     };
     const answer = await ask(this.#channel, deformation.Deform, request, work, call, this.id);
-    return shapeOf(answer.shape, { options, mesh: this.#sizes.ofSet(handleSetId), picks: pickPoints.length / 2 });
+    const mesh = this.#sizes.ofSet(handleSetId);
+    const vertices = verticesOf(answer.vertices, options, mesh);
+    return shapeOf(answer.shape, { options, mesh, vertices, picks: pickPoints.length / 2 });
   }
 
   /**

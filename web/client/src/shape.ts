@@ -1,5 +1,5 @@
 // Deformed meshes: what to ask for and what comes back.
-import { checkCount, checkFinite, checkId, checkIndices, checkNumbers, index, numberRun, present, runOf,
+import { checkCount, checkId, checkIndices, checkNumbers, index, numberRun, present, runOf,
   toEnum } from "./checks.js";
 import type { MeshSize, Names } from "./checks.js";
 import { badAnswer, badOption } from "./errors.js";
@@ -9,17 +9,17 @@ import type { DeformOptions as WireOptions } from "./gen/arap/v1/DeformOptions.j
 import type { PickResultAnswer } from "./gen/arap/v1/PickResult.js";
 import type { ShapeAnswer } from "./gen/arap/v1/Shape.js";
 import type { Point } from "./handles.js";
-import { float32Run, float64Run, uint32Run } from "./runs.js";
+import { positionOptionsToWire, positionsOf } from "./positions.js";
+import type { PositionOptions, Positions } from "./positions.js";
+import { float64Run, uint32Run } from "./runs.js";
 import type { Numbers } from "./runs.js";
 
 /** How to deform, and how to answer. */
-export interface ShapeOptions {
+export interface ShapeOptions extends PositionOptions {
   /** What to minimise. Default "rigid". */
   mode?: Names<DeformModeAnswer, "DEFORM_MODE_">;
   /** Iterations of the second step from its own result. Default 0. */
   refine?: number;
-  /** Positions in double precision on the wire: a Float64Array. */
-  float64?: boolean;
   /** Also answer the ids of flipped triangles. */
   flippedIds?: boolean;
 }
@@ -33,10 +33,8 @@ export interface Pick {
   barycentric: readonly [number, number, number];
 }
 
-/** A deformed mesh and how good it is. */
-export interface Shape {
-  /** x y x y…, length 2·#V, in units of the mesh. A Float64Array where float64 was asked. Yours to keep and change. */
-  positions: Float32Array | Float64Array;
+/** A deformed mesh and how good it is. Its arrays are yours to keep and change. */
+export interface Shape extends Positions {
   /** Of the update that it answers, or the frame's index. */
   sequence: number;
   /** Updates that newer ones replaced since the last answer. */
@@ -69,7 +67,7 @@ const maxPicks = 1024;
 export const shapeOptionsToWire = (options: ShapeOptions): WireOptions => ({
   ...(options.mode && { mode: toEnum(DeformMode, "DEFORM_MODE_", options.mode, "options.mode") }),
   refine: index(options.refine ?? 0, "options.refine"),
-  float64: options.float64 ?? false,
+  ...positionOptionsToWire(options),
   includeFlippedIds: options.flippedIds ?? false,
 });
 
@@ -83,6 +81,8 @@ export interface ShapeQuestion {
   options: ShapeOptions;
   /** When it is known. */
   mesh: MeshSize | undefined;
+  /** Which its positions are of; null: all. */
+  vertices: Uint32Array | null;
   /** As many as were asked; undefined when that is not known any more. */
   picks: number | undefined;
 }
@@ -96,24 +96,6 @@ function pickOf(pick: PickResultAnswer, mesh: MeshSize | undefined): Pick | null
   const barycentric = [weights[0]!, weights[1]!, weights[2]!] as const;
   checkNumbers([rest.x, rest.y, ...barycentric], "a pick");
   return { triangle: pick.triangle, rest: [rest.x, rest.y], barycentric };
-}
-
-function positionsOf(shape: ShapeAnswer, asked: ShapeQuestion): Float32Array | Float64Array {
-  const double = asked.options.float64 === true;
-  const other = double ? shape.positions : shape.positions64;
-  if (other.length > 0) throw badAnswer("The server answered a shape in another precision than was asked.");
-  const positions = double
-    ? runOf(shape.positions64, float64Run, "positions")
-    : runOf(shape.positions, float32Run, "positions");
-  if (positions.length % 2 !== 0) throw badAnswer("The server answered half a position.");
-  if (positions.length === 0) throw badAnswer("The server answered an empty shape.");
-  if (asked.mesh && positions.length !== 2 * asked.mesh.vertices) {
-    throw badAnswer(
-      `The server answered a shape of ${positions.length / 2} vertices; the mesh has ${asked.mesh.vertices}.`,
-    );
-  }
-  checkFinite(positions, 2, "the position of vertex");
-  return positions;
 }
 
 function flippedOf(shape: ShapeAnswer, asked: ShapeQuestion): Uint32Array {
@@ -130,12 +112,11 @@ function flippedOf(shape: ShapeAnswer, asked: ShapeQuestion): Uint32Array {
 
 export function shapeOf(answer: ShapeAnswer | null | undefined, asked: ShapeQuestion): Shape {
   const shape = present(answer, "the shape");
-  const positions = positionsOf(shape, asked);
+  const positions = positionsOf(shape, asked.options, asked.mesh, asked.vertices);
   checkNumbers([shape.worstHandleError, shape.energy, shape.meanStretch, shape.maxStretch], "the quality of a shape");
   if (shape.worstHandleId !== "") checkId(shape.worstHandleId, "", "handle");
   checkCount(shape.picks.length, asked.picks ?? Math.min(shape.picks.length, maxPicks), "picks");
-  return {
-    positions,
+  return Object.assign(positions, {
     sequence: shape.sequence,
     replaced: shape.replaced,
     flippedCount: shape.flippedCount,
@@ -149,5 +130,5 @@ export function shapeOf(answer: ShapeAnswer | null | undefined, asked: ShapeQues
     solveMicros: shape.solveMicros,
     picks: shape.picks.map((pick) => pickOf(pick, asked.mesh)),
     handleSetRevision: shape.handleSetRevision,
-  };
+  });
 }

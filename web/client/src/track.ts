@@ -5,6 +5,7 @@ import type { Channel } from "./channel.js";
 import { numberRun } from "./checks.js";
 import type { MeshSize } from "./checks.js";
 import { badAnswer, cancelled, errorOfCall } from "./errors.js";
+import { verticesOf } from "./positions.js";
 import type { Numbers } from "./runs.js";
 import { shapeOf, shapeOptionsToWire } from "./shape.js";
 import type { Shape, ShapeOptions } from "./shape.js";
@@ -48,6 +49,7 @@ export async function* deformTrack(
   if (signal?.aborted) throw stop;
   const count = track.frames.length;
   let next = 0;
+  let vertices: Uint32Array | null = null;
   let stopped = false;
   let cancel = (): void => {};
   const unhook = channel.onStop(signal, () => {
@@ -61,9 +63,10 @@ export async function* deformTrack(
   };
   const late = (): string => `Frame ${next} of the track did not come within ${workLimit / 1000} s.`;
   try {
-    for await (const { shape } of pieces(channel, deformation.DeformTrack, request, call, workLimit, late)) {
+    for await (const answer of pieces(channel, deformation.DeformTrack, request, call, workLimit, late)) {
       if (next >= count) throw badAnswer(`The server answered more frames than the ${count} of the track.`);
-      const frame = shapeOf(shape, { options: track.options, mesh, picks: 0 });
+      if (next === 0) vertices = verticesOf(answer.vertices, track.options, mesh);
+      const frame = shapeOf(answer.shape, { options: track.options, mesh, vertices, picks: 0 });
       if (frame.sequence !== next) {
         throw badAnswer(`The server answered frame ${frame.sequence} of the track where ${next} was due.`);
       }

@@ -24,7 +24,9 @@ function settingsOf(options: StreamOptions): Settings {
   if (options.delivery && options.delivery !== "latest" && options.delivery !== "every") {
     throw badOption("delivery", `delivery is ${JSON.stringify(options.delivery)}, which is none of latest, every.`);
   }
-  return { ...options, heartbeat, silence, answer, resumeWithin };
+  // The caller's own list may change meanwhile.
+  const subset = options.vertexSubset && { vertexSubset: Uint32Array.from(options.vertexSubset) };
+  return { ...options, ...subset, heartbeat, silence, answer, resumeWithin };
 }
 
 /**

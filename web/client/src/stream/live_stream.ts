@@ -1,20 +1,21 @@
 // LiveStream: what a DeformStream holds. The call of the moment, and what outlives it: which answers are due, what would
 // have to be said again, and who is still there.
-import { setTimeout as sleep } from "node:timers/promises";
-
-import { Backoff, CallHeaders, deadlineOf } from "../calls.js";
+import { CallHeaders, deadlineOf } from "../calls.js";
 import type { CallOptions } from "../calls.js";
 import type { Channel } from "../channel.js";
 import type { MeshSize } from "../checks.js";
-import { ArapError, badAnswer, cancelled, errorOf, errorOfCall, isFull, isLost, outOfOrder, overdue } from "../errors.js";
+import { badAnswer, errorOf, isFull, outOfOrder, overdue } from "../errors.js";
+import type { ArapError } from "../errors.js";
 import type { OpenStream } from "../gen/arap/v1/OpenStream.js";
 import type { ShapeAnswer } from "../gen/arap/v1/Shape.js";
 import type { StreamDeformResponseAnswer } from "../gen/arap/v1/StreamDeformResponse.js";
 import { handleSetOf } from "../handles.js";
 import type { HandleSetInfo } from "../handles.js";
+import { verticesOf } from "../positions.js";
 import { shapeOf } from "../shape.js";
 import type { KnownSizes } from "../sizes.js";
 import { AwaitedAnswers, SignsOfLife } from "./awaited.js";
+import { Ending, Trouble, endingOf, errorFrom, streamCancelled } from "./ending.js";
 import { MergeRule } from "./merge_rule.js";
 import { isEdit, sequenceOf } from "./messages.js";
 import type { Message } from "./messages.js";
@@ -25,24 +26,8 @@ import { StreamCall } from "./stream_call.js";
 /** The options with their defaults. */
 export type Settings = StreamOptions & { heartbeat: number; silence: number; answer: number; resumeWithin: number };
 
-// How a call has ended, and whether it was lost. Thrown while one is opened.
-class Ending {
-  constructor(readonly error: ArapError | undefined, readonly lost: boolean) {}
-}
-
-// From a loss until the server has answered what was said again.
-interface Trouble {
-  until: number;
-  backoff: Backoff;
-  opened: number | undefined; // again, the last time
-  lastSaid: number; // the sequence
-}
-
 const now = (): number => performance.now();
 const seconds = (milliseconds: number): string => `${milliseconds / 1000} s`;
-const errorFrom = (thrown: unknown): ArapError =>
-  thrown instanceof ArapError ? thrown : badAnswer(`The answer of the server cannot be taken: ${String(thrown)}.`);
-
 export class LiveStream {
   handleSet!: HandleSetInfo; // as it was when the stream opened
   #channel: Channel;
@@ -60,6 +45,7 @@ export class LiveStream {
   readonly #unhook: () => void;
   #watch: NodeJS.Timeout | undefined;
   #mesh: MeshSize | undefined; // once it is known
+  #vertices: Uint32Array | null = null; // which ones the shapes are of; null: all
   #call: StreamCall | undefined; // of the moment
   #open = false; // it may be pushed on
   #onOpen: (() => void)[] = [];
@@ -140,6 +126,8 @@ export class LiveStream {
     this.#call?.cancel();
     this.#stopping.abort();
     this.#wake();
+    // Who waits for a message ends the stream when the call has ended.
+    if (!this.#reading) this.#finish(streamCancelled());
   }
 
   async read(): Promise<StreamEvent | undefined> {
@@ -215,24 +203,19 @@ export class LiveStream {
   }
 
   #endOf(call: StreamCall): Ending {
-    const status = call.status!;
-    const lost = !this.#overdue && (this.#silent || isLost(status));
-    if (this.#cancelled && (lost || this.#overdue)) return new Ending(cancelled("The stream was cancelled."), false);
-    if (this.#overdue) return new Ending(this.#overdue, false);
-    if (this.#silent) {
-      const message = `Nothing was heard from the server for ${seconds(this.#settings.silence)}.`;
-      return new Ending(new ArapError({ reason: "DRAINING", code: "UNAVAILABLE", message }), true);
-    }
-    if (status.code !== 0) return new Ending(errorOfCall(status), lost);
-    if (this.#awaited.oldest === undefined) return new Ending(undefined, false);
-    return new Ending(badAnswer("The server ended the stream early: what was sent on it has no answer."), false);
+    return endingOf(call.status!, {
+      cancelled: this.#cancelled,
+      silence: this.#silent ? this.#settings.silence : undefined,
+      overdue: this.#overdue,
+      awaiting: this.#awaited.oldest !== undefined,
+    });
   }
 
   // Notes the answer to a sequence. Whether there was one before.
   #known(sequence: number, good: boolean): boolean {
     this.#merge.answered(sequence, good);
     const seen = this.#log !== undefined && !this.#log.answered(sequence, good);
-    if (this.#trouble && (good || !seen) && sequence >= this.#trouble.lastSaid) this.#trouble = undefined;
+    if ((good || !seen) && this.#trouble?.isOver(sequence)) this.#trouble = undefined;
     return seen;
   }
 
@@ -253,13 +236,20 @@ export class LiveStream {
   #shapeOf(answer: ShapeAnswer): StreamEvent | undefined {
     const picks = this.#awaited.take(answer.sequence);
     if (this.#known(answer.sequence, true)) return undefined;
-    const shape = shapeOf(answer, { options: this.#settings, mesh: this.#mesh, picks });
+    const vertices = this.#vertices;
+    const shape = shapeOf(answer, { options: this.#settings, mesh: this.#mesh, vertices, picks });
     // Of a mesh that was never seen, the shapes have at least one size.
-    this.#mesh ??= { vertices: shape.positions.length / 2, triangles: Infinity };
+    if (!vertices) this.#mesh ??= { vertices: shape.local.length / 2, triangles: Infinity };
     while (this.#merged.length > 0 && this.#merged[0]!.sequence <= shape.sequence) {
       shape.replaced += this.#merged.shift()!.count;
     }
     return { kind: "shape", shape };
+  }
+
+  #noteMerged(count: number, sequence: number): void {
+    // Without answers for long the newest stands for those before it.
+    const before = this.#merged.length >= 64 ? this.#merged.pop()!.count : 0;
+    this.#merged.push({ count: count + before, sequence });
   }
 
   // A new call, opened by the server; its handle set. It is the call of the moment, but nothing is pushed before #open.
@@ -267,7 +257,7 @@ export class LiveStream {
     const call = new StreamCall(this.#channel, this.#headers.of(this.#channel), this.#deadline, {
       latest: this.#settings.delivery !== "every",
       mayMerge: this.#merge.allows,
-      onMerged: (count, sequence) => this.#merged.push({ count, sequence }),
+      onMerged: (count, sequence) => this.#noteMerged(count, sequence),
     });
     call.push({ open: this.#openMessage });
     this.#call?.cancel();
@@ -287,6 +277,7 @@ export class LiveStream {
         const asked = { id: this.#openMessage.handleSetId ?? "" };
         const set = handleSetOf(message.opened.handleSet, asked, this.#sizes.ofMesh);
         this.#sizes.knowSet(set.id, set.meshId);
+        this.#vertices = verticesOf(message.opened.vertices, this.#settings, this.#sizes.ofMesh(set.meshId));
         return set;
       }
       if (!message.pong) throw new Ending(badAnswer("The server answered before it opened the stream."), false);
@@ -298,15 +289,12 @@ export class LiveStream {
   async #resume(error: ArapError, log: ReplayLog): Promise<StreamEvent> {
     this.#open = false;
     const { resumeWithin } = this.#settings;
-    // Who is lost again before it has caught up comes back neither at once nor for ever.
-    const opened = this.#trouble?.opened;
-    const again = opened !== undefined && now() - opened < resumeWithin;
-    const trouble: Trouble = again && this.#trouble ? this.#trouble
-      : { until: now() + resumeWithin, backoff: new Backoff(), opened: undefined, lastSaid: 0 };
-    this.#trouble = trouble;
+    const again = this.#trouble?.isRecent(resumeWithin) === true;
+    if (!again || !this.#trouble) this.#trouble = new Trouble(resumeWithin);
+    const trouble = this.#trouble;
     const unanswered = log.pending;
     for (let attempts = 1; ; attempts++) {
-      if (again || attempts > 1) await this.#pause(trouble, error);
+      if (again || attempts > 1) await trouble.pause(error, this.#deadline, this.#stopping.signal);
       if (this.#silent) {
         this.#ownChannel?.close();
         this.#channel = this.#ownChannel = this.#channel.another();
@@ -323,24 +311,11 @@ export class LiveStream {
     }
   }
 
-  // Waits before the next attempt; throws the error with which to give up.
-  async #pause(trouble: Trouble, last: ArapError): Promise<void> {
-    const pause = trouble.backoff.next();
-    if (now() + pause >= trouble.until) throw last;
-    const wait = Math.max(0, Math.min(pause, this.#deadline - Date.now()));
-    await sleep(wait, undefined, { signal: this.#stopping.signal }).catch(() => {});
-    if (this.#cancelled) throw cancelled("The stream was cancelled.");
-  }
-
   #sayAgain(handleSet: HandleSetInfo, trouble: Trouble, log: ReplayLog): void {
     const messages = log.messages();
     const last = messages.at(-1);
-    if (last) {
-      trouble.opened = now();
-      trouble.lastSaid = sequenceOf(last);
-    } else {
-      this.#trouble = undefined;
-    }
+    if (last) trouble.opened(sequenceOf(last));
+    else this.#trouble = undefined;
     this.#merge.restart(handleSet);
     this.#awaited.restart(messages, now());
     this.#open = true;

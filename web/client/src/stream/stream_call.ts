@@ -53,6 +53,7 @@ export class StreamCall {
   readonly #stream: ClientDuplexStream<StreamDeformRequest, StreamDeformResponseAnswer>;
   #gate!: OnDemand;
   #waiting: StreamDeformRequest[] = [];
+  #shortenAt = mostWaiting; // when there are more than so many
   #endWanted = false;
   #endSent = false;
   #broken = false; // nothing more can be sent
@@ -84,7 +85,7 @@ export class StreamCall {
   push(request: StreamDeformRequest): void {
     if (this.status || this.#broken || this.#endWanted) return;
     this.#waiting.push(request);
-    if (this.#sending.latest && this.#waiting.length > mostWaiting) this.#shorten();
+    if (this.#sending.latest && this.#waiting.length > this.#shortenAt) this.#shorten();
     this.#write();
   }
   /** Says that nothing more comes. */
@@ -183,5 +184,7 @@ export class StreamCall {
     }
     close();
     this.#waiting = shorter;
+    // What could not be merged is not looked at again with every push.
+    this.#shortenAt = Math.max(mostWaiting, 2 * shorter.length);
   }
 }
