@@ -184,7 +184,9 @@ class Channel:
         def ignore(_: Any) -> None:
             pass
 
-        self._grpc.subscribe(ignore, try_to_connect=True)
+        if not self._closed:
+            # Not with try_to_connect: a thread of grpc might do so when it has been closed.
+            self._grpc.subscribe(ignore)
         try:
             yield
         finally:
