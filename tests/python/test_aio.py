@@ -82,6 +82,16 @@ def test_a_stream(server):
     run(server, journey)
 
 
+def test_who_sends_without_end_lets_others_have_their_turn(server):
+    async def journey(_, session):
+        async with session.open_stream("h") as stream:
+            reading = asyncio.create_task(stream.read())
+            while not reading.done():
+                await stream.send({"r": (8, 1)})
+            assert isinstance(await reading, arapd.Shape)
+    run(server, journey)
+
+
 def test_a_read_that_is_given_up_loses_nothing(server):
     async def journey(_, session):
         async with session.open_stream("h", arapd.StreamOptions(delivery="every")) as stream:

@@ -105,6 +105,7 @@ class Talking(Reading):
         self._changed.notify()
 
     async def wait_sent(self, most: int) -> bool:
+        await asyncio.sleep(0)  # who sends without end lets others have their turn
         while not self._outbox.over and self._outbox.left > most:
             await self._changed.wait()
         return not self._outbox.over

@@ -224,6 +224,7 @@ class StreamCore(StreamState):
         self._waiting_since = None
         self._notify()
 
+
 class _Lost(Exception):
     """An opening that may do better elsewhere or later."""
 
