@@ -4,7 +4,7 @@ import { readFileSync } from "node:fs";
 import { Client as GrpcClient, Metadata, credentials } from "@grpc/grpc-js";
 import type { ChannelCredentials, ChannelOptions } from "@grpc/grpc-js";
 
-import { badOption } from "./errors.js";
+import { badOption, cancelled } from "./errors.js";
 
 /** How a client connects and who it says it is. Files are in PEM and read once. Nothing of this is ever logged. */
 export interface ConnectOptions {
@@ -104,6 +104,7 @@ interface Family {
   identity: readonly (readonly [string, string])[];
   channels: Set<Channel>;
   onClose: Set<() => void>;
+  closed: boolean;
 }
 
 /** The connection, shared by everything that a Client hands out. */
@@ -120,7 +121,7 @@ export class Channel {
     const how = credentialsOf(options);
     const channelOptions = argumentsFor(address, options);
     const connect = (): GrpcClient => new GrpcClient(address, how, channelOptions);
-    return new Channel({ connect, identity, channels: new Set(), onClose: new Set() });
+    return new Channel({ connect, identity, channels: new Set(), onClose: new Set(), closed: false });
   }
 
   private constructor(family: Family) {
@@ -134,8 +135,9 @@ export class Channel {
     return new Channel(this.#family);
   }
 
-  /** What every call says of who is calling. */
+  /** What every call says of who is calling. CANCELLED after the client was closed. */
   metadata(): Metadata {
+    if (this.#family.closed) throw cancelled("The client was closed.");
     const metadata = new Metadata();
     for (const [name, value] of this.#family.identity) metadata.set(name, value);
     return metadata;
@@ -158,6 +160,7 @@ export class Channel {
   }
   /** Stops every call, and closes all connections. */
   closeAll(): void {
+    this.#family.closed = true;
     for (const stop of [...this.#family.onClose]) stop();
     for (const channel of this.#family.channels) channel.close();
   }

@@ -78,7 +78,7 @@ export class Client {
     });
   }
 
-  /** Ends the connection, and with it every call and stream. */
+  /** Ends the connection, and with it every call and stream; those and later ones fail with CANCELLED. */
   close(): void {
     this.#channel.closeAll();
   }

@@ -115,6 +115,9 @@ test("nobody there, too late, and given up", { timeout }, async () => {
   const closing = failure(nobody.getServerInfo({ retryWithin: 60_000 }), "CANCELLED");
   nobody.close();
   await closing;
+  await failure(nobody.getServerInfo(), "CANCELLED");
+  await failure(nobody.attachSession("s").openStream("h"), "CANCELLED");
+  await failure(nobody.attachSession("s").deformTrack("h", [], []).next(), "CANCELLED");
   try {
     await server.start();
     const client = Client.connect(server.address);
