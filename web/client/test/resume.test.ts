@@ -20,8 +20,10 @@ interface Stage {
   session: Session;
 }
 
-async function onStage(use: (stage: Stage) => Promise<void>): Promise<void> {
-  const server = new Server(["--store", "sqlite:{}/state"]);
+async function onStage(
+  use: (stage: Stage) => Promise<void>, flags: readonly string[] = [], listen?: string,
+): Promise<void> {
+  const server = new Server(["--store", "sqlite:{}/state", ...flags], listen);
   let client: Client | undefined;
   try {
     await server.start();
@@ -172,6 +174,21 @@ test("what was on its way is said again, pings too", { timeout }, () =>
     stream.closeSending();
     assert.equal(await stream.read(), undefined);
   }),
+);
+
+test("a connection that the server replaces is nothing that a stream shows", { timeout }, () =>
+  onStage(async ({ session }) => {
+    const expected = await undisturbed(session);
+    const stream = await session.openStream("h", { float64: true, resumeWithin: 60_000 });
+    await begin(stream);
+    await next(stream, "resumed");
+    stream.send(last);
+    let event = await stream.read();
+    while (event?.kind === "resumed") event = await stream.read();
+    assert.deepEqual(event?.kind === "shape" && event.shape.positions, expected.positions);
+    await session.get();
+    stream.cancel();
+  }, ["--connection-age-seconds", "1"], "127.0.0.1:0"),
 );
 
 test("a stream gives up in time, and says why again", { timeout }, () =>
