@@ -17,8 +17,13 @@ from support import Server, grid, wait_until
 REPEATS = int(os.environ.get("ARAPD_TEST_REPEATS", "2"))
 HANDLES = [arapd.Handle("l", vertex=0), arapd.Handle("r", vertex=8)]
 TOP = arapd.Handle("t", vertex=76)
-OPTIONS = dict(shape=arapd.ShapeOptions(float64=True), resume_within=300.0, heartbeat=0.2,
-               silence=2.0)
+OPTIONS = dict(shape=arapd.ShapeOptions(float64=True), resume_within=300.0)
+
+
+def options_for(harm, **more):
+    """Only who is frozen has to be noticed by silence."""
+    return arapd.StreamOptions(heartbeat=0.2, silence=2.0 if harm is freeze else 60.0, **OPTIONS,
+                               **more)
 
 
 def kill(server, connected):
@@ -65,9 +70,13 @@ def last_shape(server, session_id):
             return stream.read()
 
 
-def check(shape, expected, counts, sent):
+def check_last(shape, expected):
     assert shape.handle_set_revision == expected.handle_set_revision
     np.testing.assert_array_equal(shape.positions, expected.positions)
+
+
+def check(shape, expected, counts, sent):
+    check_last(shape, expected)
     assert counts.sent == sent
     assert counts.refused == 0
     assert counts.answered + counts.replaced == counts.sent
@@ -89,7 +98,7 @@ def test_a_drag_goes_on(tmp_path, harm, delivery):
         expected = last_shape(server, session_id)
         with arapd.connect(server.address) as client:
             session = client.attach_session(session_id)
-            options = arapd.StreamOptions(delivery=delivery, **OPTIONS)
+            options = options_for(harm, delivery=delivery)
             with session.open_stream("h", options, timeout=600) as stream:
                 stream.send({"r": (8, 3)})
                 assert stream.read().sequence == 1
@@ -144,7 +153,7 @@ def test_a_drag_of_asyncio_goes_on(tmp_path, harm):
     async def run(server, session_id, expected):
         async with arapd.aio.connect(server.address) as client:
             session = client.attach_session(session_id)
-            options = arapd.StreamOptions(**OPTIONS)
+            options = options_for(harm)
             async with session.open_stream("h", options, timeout=600) as stream:
                 await stream.send({"r": (8, 3)})
                 assert (await stream.read()).sequence == 1
@@ -185,3 +194,59 @@ def test_a_drag_of_asyncio_goes_on(tmp_path, harm):
     with Server(tmp_path) as server:
         session_id = prepare(server)
         asyncio.run(run(server, session_id, last_shape(server, session_id)))
+
+
+@pytest.mark.parametrize("delivery", ["latest", "every"])
+def test_what_was_on_its_way_is_said_again_pings_too(tmp_path, delivery):
+    with Server(tmp_path) as server:
+        session_id = prepare(server)
+        expected = last_shape(server, session_id)
+        with arapd.connect(server.address) as client:
+            session = client.attach_session(session_id)
+            options = arapd.StreamOptions(delivery=delivery, **OPTIONS)
+            with session.open_stream("h", options) as stream:
+                stream.send({"r": (8, 3)})
+                assert stream.read().sequence == 1
+                stream.edit(add=[TOP])
+                assert stream.read().sequence == 2
+                server.kill()
+                stream.send({"l": (-1, 0), "r": (9, 1)})  # nobody has read, so nobody knows yet
+                stream.ping(77)
+                server.start()
+                events = {type(event): event for event in (stream.read() for _ in range(3))}
+                assert len(events[arapd.Resumed].handle_set.handles) == 2, "before the edit"
+                assert events[arapd.Pong] == arapd.Pong(77)
+                check_last(events[arapd.Shape], expected)
+
+
+def test_a_stream_gives_up_in_time_and_says_why_again(tmp_path):
+    with Server(tmp_path) as server:
+        session_id = prepare(server)
+        with arapd.connect(server.address) as client:
+            session = client.attach_session(session_id)
+            with session.open_stream("h", arapd.StreamOptions(resume_within=0.3)) as stream:
+                server.kill()
+                for _ in range(2):
+                    with pytest.raises(arapd.ArapError) as gone:
+                        stream.read()
+                    assert gone.value.reason is arapd.Reason.DRAINING
+                with pytest.raises(arapd.ArapError) as over:
+                    stream.send({"r": (8, 3)})
+                assert over.value.reason is arapd.Reason.PROTOCOL
+
+
+def test_a_connection_that_the_server_replaces_is_nothing_that_a_stream_shows(tmp_path):
+    with Server(tmp_path, "--connection-age-seconds", "1", listen="127.0.0.1:0") as server:
+        session_id = prepare(server)
+        with arapd.connect(server.address) as client:
+            session = client.attach_session(session_id)
+            with session.open_stream("h", arapd.StreamOptions(**OPTIONS)) as stream:
+                stream.send({"r": (8, 3)})
+                events = [stream.read() for _ in range(2)]
+                assert isinstance(events[1], arapd.Resumed) or isinstance(events[0], arapd.Resumed)
+                number = stream.send({"l": (-1, 0), "r": (9, 1)})
+                shape = stream.read()
+                while not isinstance(shape, arapd.Shape) or shape.sequence != number:
+                    shape = stream.read()
+                assert shape.worst_handle_error < 0.1
+            assert session.info().id == session_id
