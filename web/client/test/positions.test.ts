@@ -44,12 +44,27 @@ test("positions are where they are, whatever travelled", () => {
   }
 });
 
+test("a server that has never heard of origins answers the coordinates themselves", () => {
+  const shape = positionsOf(answer({ positions: floats }), { relativeToOrigin: true }, mesh, null);
+  assert.deepEqual(Array.from(shape.positions), [1, 2, 3, 4]);
+  assert.deepEqual(shape.origin, [0, 0]);
+});
+
+test("how far positions may be off is told", () => {
+  const error = (options: PositionOptions, fields: Partial<Answer>): number =>
+    positionsOf(answer(fields), options, mesh, null).positionError;
+  assert.equal(error({}, { positions: floats }), 4 / 2 ** 24);
+  assert.equal(error({ relativeToOrigin: true }, { positions: floats, origin: middle }), 4 / 2 ** 24);
+  assert.equal(error({ float64: true }, { positions64: doubles }), 0);
+  assert.equal(error({ encoding: "int16_le" }, { packedPositions: integers, origin: middle, scale: 0.5 }), 0.25);
+});
+
 test("positions that were not asked for so are refused", async () => {
   const cases: [PositionOptions, Partial<Answer>, RegExp][] = [
     [{}, { positions: floats, origin: middle }, /an origin for which it was not asked/],
     [{}, { packedPositions: floats }, /another precision or encoding/],
     [{ encoding: "int16_le" }, { positions: floats, origin: middle }, /another precision or encoding/],
-    [{ relativeToOrigin: true }, { positions: floats }, /without the origin/],
+    [{ encoding: "int16_le" }, { packedPositions: integers, scale: 1 }, /without the origin/],
     [{ relativeToOrigin: true }, { positions: floats, origin: middle.subarray(8) }, /without the origin/],
     [{ relativeToOrigin: true }, { positions: floats, origin: bytes(Float64Array.of(NaN, 0)) }, /an origin.*finite/],
     [{ encoding: "int16_le" }, { packedPositions: integers, origin: middle, scale: NaN }, /a scale.*finite/],

@@ -35,6 +35,7 @@ export class Server {
     this.#child = child;
     running.add(child);
     child.once("exit", () => running.delete(child));
+    child.once("error", (error) => (this.#log += `${program}: ${error.message}`));
     child.stderr.on("data", (text: Buffer) => (this.#log += text.toString()));
     const limit = setTimeout(() => child.kill("SIGKILL"), 60_000);
     for await (const line of createInterface({ input: child.stdout })) {
