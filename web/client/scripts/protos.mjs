@@ -1,11 +1,20 @@
-// Makes the package's own view of the wire from the interface in proto/: dist/proto, which is packed, and the
-// types of its messages in src/gen, which are compiled. The licence is copied too.
+// Makes the package's own view of the wire from the interface in proto/: dist/proto, which is
+// packed, and the types of its messages in src/gen, which are compiled. The licence is copied too.
 //
-// In that view every run of numbers (`repeated float`, `double` or `uint32`) is one field of `bytes`. That is the same
-// wire: proto3 packs such runs, and a packed run and a field of bytes are both a length and that many bytes. A frame is
-// so decoded without touching its numbers (src/runs.ts).
+// In that view every run of numbers (`repeated float`, `double` or `uint32`) is one field of
+// `bytes`. That is the same wire: proto3 packs such runs, and a packed run and a field of bytes are
+// both a length and that many bytes. A frame is so decoded without touching its numbers
+// (src/runs.ts).
 import { execFileSync } from "node:child_process";
-import { copyFileSync, mkdirSync, readdirSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
+import {
+  copyFileSync,
+  mkdirSync,
+  readdirSync,
+  readFileSync,
+  rmSync,
+  statSync,
+  writeFileSync,
+} from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 
@@ -39,15 +48,23 @@ execFileSync(
   process.execPath,
   [
     join(here, "node_modules/@grpc/proto-loader/build/bin/proto-loader-gen-types.js"),
-    "--longs=Number", "--enums=String", "--defaults", "--oneofs", "--grpcLib=@grpc/grpc-js",
-    "--inputTemplate=%s", "--outputTemplate=%sAnswer", "--importFileExtension=.js",
-    `--includeDirs=${view}`, `--outDir=${types}`,
+    "--longs=Number",
+    "--enums=String",
+    "--defaults",
+    "--oneofs",
+    "--grpcLib=@grpc/grpc-js",
+    "--inputTemplate=%s",
+    "--outputTemplate=%sAnswer",
+    "--importFileExtension=.js",
+    `--includeDirs=${view}`,
+    `--outDir=${types}`,
     ...files,
   ],
   { stdio: ["ignore", "ignore", "inherit"] },
 );
 
-// The generator names the files that it read by their place on this machine, and writes a list that nobody needs for each.
+// The generator names the files that it read by their place on this machine, and writes a list that
+// nobody needs for each.
 for (const file of readdirSync(types, { recursive: true }).map((name) => join(types, name))) {
   if (!statSync(file).isFile()) continue;
   if (dirname(file) === types) rmSync(file);

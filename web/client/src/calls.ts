@@ -14,14 +14,18 @@ import type { Method } from "./wire.js";
 /**
  * What may be said about any call. Times are in milliseconds.
  *
- * A call that was lost (the server is gone, going away, or was never reached) or that the server refused before it began
- * is made again, after growing pauses of 50 ms to 2 s or as long as the server asks: by what only asks and by what gives
- * the same when it is done twice (get…, list…, flatten, deform, createSession, registerMesh, compileHandles,
- * submitFlatten, cancelJob, and delete…, where nothing to delete after a lost answer means that it was done); by
- * editHandles only when the server says that it had not begun; never by deformTrack. Streams resume when asked to.
+ * A call that was lost (the server is gone, going away, or was never reached) or that the server
+ * refused before it began is made again, after growing pauses of 50 ms to 2 s or as long as the
+ * server asks: by what only asks and by what gives the same when it is done twice (get…, list…,
+ * flatten, deform, createSession, registerMesh, compileHandles, submitFlatten, cancelJob, and
+ * delete…, where nothing to delete after a lost answer means that it was done); by editHandles only
+ * when the server says that it had not begun; never by deformTrack. Streams resume when asked to.
  */
 export interface CallOptions {
-  /** How long the call may take with all its attempts. Default 30 s for look-ups and 10 min for work. Infinity: ever. */
+  /**
+   * How long the call may take with all its attempts. Default 30 s for look-ups and 10 min for
+   * work. Infinity: ever.
+   */
   timeout?: number;
   /** Aborting it cancels the call, which then fails with CANCELLED; a stream is ended by it. */
   signal?: AbortSignal;
@@ -34,7 +38,9 @@ export interface CallOptions {
 export const quickLimit = 30_000;
 export const workLimit = 600_000;
 
-/** What a method is by default: whether making it twice does harm, and how long it takes at most. */
+/**
+ * What a method is by default: whether making it twice does harm, and how long it takes at most.
+ */
 export interface Manner {
   repeat: "harmless" | "removal" | "never";
   limit: number;
@@ -75,7 +81,9 @@ export class CallHeaders {
   }
 }
 
-/** Pauses: from 50 ms on twice as long each time, up to 2 s, and between half of that and all of it. */
+/**
+ * Pauses: from 50 ms on twice as long each time, up to 2 s, and between half of that and all of it.
+ */
 export class Backoff {
   #next = 50;
   next(): number {
@@ -102,12 +110,17 @@ const isRefused = (error: ArapError): boolean =>
   (error.reason === "OVERLOADED" || error.reason === "DRAINING") && error.retryAfter !== undefined;
 
 /**
- * Makes a call, and again as its manner allows. `attempt` makes it once and rejects with CallFailed; where the answer
- * comes in pieces, `heard` says whether one came since: then retryWithin counts anew.
+ * Makes a call, and again as its manner allows. `attempt` makes it once and rejects with
+ * CallFailed; where the answer comes in pieces, `heard` says whether one came since: then
+ * retryWithin counts anew.
  */
 export async function makeCall<T>(
-  channel: Channel, manner: Manner, options: CallOptions, sessionId: string,
-  attempt: (call: Attempt) => Promise<T>, heard: () => boolean = () => false,
+  channel: Channel,
+  manner: Manner,
+  options: CallOptions,
+  sessionId: string,
+  attempt: (call: Attempt) => Promise<T>,
+  heard: () => boolean = () => false,
 ): Promise<T | undefined> {
   const deadline = deadlineOf(options, manner.limit);
   const headers = new CallHeaders(sessionId, options);
@@ -122,7 +135,8 @@ export async function makeCall<T>(
   if (signal?.aborted) stopping.abort();
   let giveUp: number | undefined; // from the first failure on, or the last piece
   let inDoubt = false; // an attempt may have been carried out
-  // For how long to wait before the next attempt; throws the error with which to give up. Undefined: it was done before.
+  // For how long to wait before the next attempt; throws the error with which to give up.
+  // Undefined: it was done before.
   const pauseAfter = (failed: CallFailed): number | undefined => {
     const error = withId(errorOfCall(failed.status), headers);
     if (inDoubt && manner.repeat === "removal" && error.reason === "NOT_FOUND") return undefined;
@@ -139,7 +153,11 @@ export async function makeCall<T>(
     for (;;) {
       if (stopping.signal.aborted) throw withId(cancelled("The call was cancelled."), headers);
       try {
-        return await attempt({ metadata: headers.of(channel), deadline, onCancel: (how) => (cancel = how) });
+        return await attempt({
+          metadata: headers.of(channel),
+          deadline,
+          onCancel: (how) => (cancel = how),
+        });
       } catch (failed) {
         if (failed instanceof ArapError) throw withId(failed, headers);
         if (!(failed instanceof CallFailed)) throw failed;
@@ -161,13 +179,22 @@ function withId(error: ArapError, headers: CallHeaders): ArapError {
 
 /** One unary call. Undefined after a removal whose answer was lost. */
 export function unary<Request, Answer>(
-  channel: Channel, method: Method<Request, Answer>, request: Request, manner: Manner, options: CallOptions,
+  channel: Channel,
+  method: Method<Request, Answer>,
+  request: Request,
+  manner: Manner,
+  options: CallOptions,
   sessionId = "",
 ): Promise<Answer | undefined> {
   const attempt = ({ metadata, deadline, onCancel }: Attempt): Promise<Answer> =>
     new Promise((resolve, reject) => {
       const call = channel.grpc.makeUnaryRequest(
-        method.path, method.requestSerialize, method.responseDeserialize, request, metadata, { deadline },
+        method.path,
+        method.requestSerialize,
+        method.responseDeserialize,
+        request,
+        metadata,
+        { deadline },
         (error, answer) => (error ? reject(new CallFailed(error)) : resolve(answer as Answer)),
       );
       onCancel(() => call.cancel());
@@ -177,22 +204,34 @@ export function unary<Request, Answer>(
 
 /** The answer of a call that always has one. */
 export async function ask<Request, Answer>(
-  channel: Channel, method: Method<Request, Answer>, request: Request, manner: Manner, options: CallOptions,
+  channel: Channel,
+  method: Method<Request, Answer>,
+  request: Request,
+  manner: Manner,
+  options: CallOptions,
   sessionId = "",
 ): Promise<Answer> {
   return (await unary(channel, method, request, manner, options, sessionId)) as Answer;
 }
 
 /**
- * Reads an answer in pieces to its end; `take` gets each. A piece that does not come within `patience` is
- * DEADLINE_EXCEEDED with the sentence `late`.
+ * Reads an answer in pieces to its end; `take` gets each. A piece that does not come within
+ * `patience` is DEADLINE_EXCEEDED with the sentence `late`.
  */
 export async function* pieces<Request, Answer>(
-  channel: Channel, method: Method<Request, Answer>, request: Request, call: Attempt, patience: number,
+  channel: Channel,
+  method: Method<Request, Answer>,
+  request: Request,
+  call: Attempt,
+  patience: number,
   late: () => string,
 ): AsyncGenerator<Answer> {
   const stream: ClientReadableStream<Answer & object> = channel.grpc.makeServerStreamRequest(
-    method.path, method.requestSerialize, method.responseDeserialize, request, call.metadata,
+    method.path,
+    method.requestSerialize,
+    method.responseDeserialize,
+    request,
+    call.metadata,
     { deadline: call.deadline },
   );
   call.onCancel(() => stream.cancel());

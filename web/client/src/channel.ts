@@ -6,17 +6,25 @@ import type { ChannelCredentials, ChannelOptions } from "@grpc/grpc-js";
 
 import { badOption, cancelled } from "./errors.js";
 
-/** How a client connects and who it says it is. Files are in PEM and read once. Nothing of this is ever logged. */
+/**
+ * How a client connects and who it says it is. Files are in PEM and read once. Nothing of this is
+ * ever logged.
+ */
 export interface ConnectOptions {
   /** Bearer token, sent with every call; `arapctl token add` makes them. */
   token?: string;
-  /** Without TLS a token is sent to this machine only, unless this lets everybody on the way read it. */
+  /**
+   * Without TLS a token is sent to this machine only, unless this lets everybody on the way read
+   * it.
+   */
   tokenInPlaintext?: boolean;
   /** The user for whom all calls are made, where the token has the role gateway. */
   user?: string;
   /** Implied by each of the files. */
   tls?: boolean;
-  /** Who vouches for the server; default: the system's authorities. A path, or the text of the file. */
+  /**
+   * Who vouches for the server; default: the system's authorities. A path, or the text of the file.
+   */
   rootCertificates?: string | Buffer;
   /** The client's own certificate, with its key, for servers that want one. */
   certificate?: string | Buffer;
@@ -39,7 +47,8 @@ function isLocal(address: string): boolean {
 }
 
 const usesTls = (options: ConnectOptions): boolean =>
-  options.tls === true || [options.rootCertificates, options.certificate, options.key].some((file) => file);
+  options.tls === true ||
+  [options.rootCertificates, options.certificate, options.key].some((file) => file);
 
 function slurp(file: string | Buffer | undefined, field: string): Buffer | null {
   if (file === undefined || file.length === 0) return null;
@@ -56,15 +65,22 @@ function slurp(file: string | Buffer | undefined, field: string): Buffer | null 
 
 function check(address: string, options: ConnectOptions): void {
   if (!options.certificate !== !options.key) {
-    throw badOption(options.key ? "certificate" : "key", "A client certificate and its key have to be given together.");
+    throw badOption(
+      options.key ? "certificate" : "key",
+      "A client certificate and its key have to be given together.",
+    );
   }
   const token = options.token ?? "";
-  if (!/^[!-~]*$/.test(token)) throw badOption("token", "The token has characters that no token has.");
+  if (!/^[!-~]*$/.test(token))
+    throw badOption("token", "The token has characters that no token has.");
   if (options.user && !isName(options.user)) {
     throw badOption("user", "A user is 1 to 128 characters of A-Z a-z 0-9 . _ -.");
   }
   if (token && !usesTls(options) && !options.tokenInPlaintext && !isLocal(address)) {
-    throw badOption("token", `The token would go to ${address} in plaintext, for everyone on the way to read: use TLS.`);
+    throw badOption(
+      "token",
+      `The token would go to ${address} in plaintext, for everyone on the way to read: use TLS.`,
+    );
   }
 }
 
@@ -91,8 +107,8 @@ function argumentsFor(address: string, options: ConnectOptions): ChannelOptions 
     "grpc.max_reconnect_backoff_ms": 2000,
     // Channels to one address share a connection unless each has its own pool.
     "grpc.use_local_subchannel_pool": 1,
-    // We make calls again ourselves. Without room to keep what was written a write is done when the connection has
-    // taken it, which is what tells a stream to wait.
+    // We make calls again ourselves. Without room to keep what was written a write is done when the
+    // connection has taken it, which is what tells a stream to wait.
     "grpc.enable_retries": 0,
     "grpc.per_rpc_retry_buffer_size": 0,
   };
@@ -112,7 +128,9 @@ export class Channel {
   readonly grpc: GrpcClient;
   readonly #family: Family;
 
-  /** INVALID_OPTION with the field: options that do not go together, or a file that cannot be read. */
+  /**
+   * INVALID_OPTION with the field: options that do not go together, or a file that cannot be read.
+   */
   static open(address: string, options: ConnectOptions): Channel {
     check(address, options);
     const identity: [string, string][] = [];
@@ -121,7 +139,13 @@ export class Channel {
     const how = credentialsOf(options);
     const channelOptions = argumentsFor(address, options);
     const connect = (): GrpcClient => new GrpcClient(address, how, channelOptions);
-    return new Channel({ connect, identity, channels: new Set(), onClose: new Set(), closed: false });
+    return new Channel({
+      connect,
+      identity,
+      channels: new Set(),
+      onClose: new Set(),
+      closed: false,
+    });
   }
 
   private constructor(family: Family) {

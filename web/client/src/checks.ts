@@ -1,5 +1,5 @@
-// What every answer is checked for before it is handed out: lengths, indices, ids, finite numbers. An answer that does
-// not fit what was asked for is an ArapError with the reason INTERNAL.
+// What every answer is checked for before it is handed out: lengths, indices, ids, finite numbers.
+// An answer that does not fit what was asked for is an ArapError with the reason INTERNAL.
 import { isName } from "./channel.js";
 import { badAnswer, badOption } from "./errors.js";
 import { firstNonFinite, isUint32, packFloat64, packUint32 } from "./runs.js";
@@ -11,13 +11,21 @@ export interface MeshSize {
   triangles: number;
 }
 
-export function checkFinite(numbers: Float32Array | Float64Array, dimension: number, what: string): void {
+export function checkFinite(
+  numbers: Float32Array | Float64Array,
+  dimension: number,
+  what: string,
+): void {
   const at = firstNonFinite(numbers);
-  if (at >= 0) throw badAnswer(`The server answered ${what} ${Math.floor(at / dimension)} that is not finite.`);
+  if (at >= 0)
+    throw badAnswer(
+      `The server answered ${what} ${Math.floor(at / dimension)} that is not finite.`,
+    );
 }
 
 export function checkNumbers(numbers: readonly number[], what: string): void {
-  if (!numbers.every(Number.isFinite)) throw badAnswer(`The server answered a number of ${what} that is not finite.`);
+  if (!numbers.every(Number.isFinite))
+    throw badAnswer(`The server answered a number of ${what} that is not finite.`);
 }
 
 /** `what` says what there are so many of, `expected` of them being right. */
@@ -51,7 +59,9 @@ export function runOf<T>(bytes: Uint8Array, read: (bytes: Uint8Array) => T, what
   try {
     return read(bytes);
   } catch (error) {
-    throw badAnswer(`The server answered ${what} that cannot be read: ${(error as Error).message}.`);
+    throw badAnswer(
+      `The server answered ${what} that cannot be read: ${(error as Error).message}.`,
+    );
   }
 }
 
@@ -76,14 +86,21 @@ export function numberRun(numbers: Numbers, field: string): Uint8Array {
   throw badOption(field, `${field} has to be a typed array or an array of numbers.`);
 }
 
-type Name<Enum extends string, Prefix extends string> =
-  Enum extends `${Prefix}${infer Rest}` ? Exclude<Lowercase<Rest>, "unspecified"> : never;
-/** The names of an enumeration of the wire, without prefix and in lower case: "BASIS_EDGE" is "edge". */
+type Name<Enum extends string, Prefix extends string> = Enum extends `${Prefix}${infer Rest}`
+  ? Exclude<Lowercase<Rest>, "unspecified">
+  : never;
+/**
+ * The names of an enumeration of the wire, without prefix and in lower case: "BASIS_EDGE" is
+ * "edge".
+ */
 export type Names<Enum, Prefix extends string> = Name<Extract<Enum, string>, Prefix>;
 
 /** The value on the wire of a name; INVALID_OPTION for what is no name. */
 export function toEnum<Value extends string>(
-  values: Readonly<Record<string, Value>>, prefix: string, name: string | undefined, field: string,
+  values: Readonly<Record<string, Value>>,
+  prefix: string,
+  name: string | undefined,
+  field: string,
 ): Value {
   const value = values[`${prefix}${(name ?? "unspecified").toUpperCase()}`];
   if (value !== undefined && name !== "unspecified") return value;

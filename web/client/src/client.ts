@@ -57,8 +57,9 @@ export class Client {
   readonly #channel: Channel;
 
   /**
-   * `address` is host:port or unix:PATH. Connects in the background; fails only with INVALID_OPTION, for options that do
-   * not go together, a file that cannot be read, or a token that would travel in plaintext to another machine.
+   * `address` is host:port or unix:PATH. Connects in the background; fails only with
+   * INVALID_OPTION, for options that do not go together, a file that cannot be read, or a token
+   * that would travel in plaintext to another machine.
    */
   static connect(address: string, options: ConnectOptions = {}): Client {
     return new Client(Channel.open(address, options));
@@ -78,7 +79,10 @@ export class Client {
     });
   }
 
-  /** Ends the connection, and with it every call and stream; those and later ones fail with CANCELLED. */
+  /**
+   * Ends the connection, and with it every call and stream; those and later ones fail with
+   * CANCELLED.
+   */
   close(): void {
     this.#channel.closeAll();
   }
@@ -86,9 +90,12 @@ export class Client {
   async getServerInfo(call: CallOptions = {}): Promise<ServerInfo> {
     const answer = await ask(this.#channel, server.GetServerInfo, {}, lookUp, call);
     const told: Partial<LimitsAnswer> = answer.limits ?? {};
-    const limits = Object.entries(told).map(([name, limit]: [string, number | DurationAnswer | null]) => [
-      name, typeof limit === "number" ? limit : milliseconds(limit),
-    ]);
+    const limits = Object.entries(told).map(
+      ([name, limit]: [string, number | DurationAnswer | null]) => [
+        name,
+        typeof limit === "number" ? limit : milliseconds(limit),
+      ],
+    );
     const { version, capabilities, workers } = answer;
     return { version, capabilities, workers, limits: Object.fromEntries(limits) as Limits };
   }
@@ -101,7 +108,10 @@ export class Client {
       sessionId: id,
       labels: options.labels ?? {},
       ...(options.ttl !== undefined && {
-        ttl: { seconds: Math.floor(options.ttl / 1000), nanos: Math.round((options.ttl % 1000) * 1e6) },
+        ttl: {
+          seconds: Math.floor(options.ttl / 1000),
+          nanos: Math.round((options.ttl % 1000) * 1e6),
+        },
       }),
     };
     const answer = await ask(this.#channel, deformation.CreateSession, request, lookUp, call, id);
@@ -120,7 +130,9 @@ export class Client {
     const answer = await ask(this.#channel, deformation.ListSessions, request, lookUp, call);
     const most = pageSize === 0 ? 1000 : pageSize;
     if (answer.sessions.length > most) {
-      throw badAnswer(`The server answered ${answer.sessions.length} sessions; ${most} were asked.`);
+      throw badAnswer(
+        `The server answered ${answer.sessions.length} sessions; ${most} were asked.`,
+      );
     }
     if (answer.nextPageToken !== "" && answer.nextPageToken === pageToken) {
       throw badAnswer("The server answered a page of sessions that leads back to itself.");
@@ -132,20 +144,34 @@ export class Client {
   }
 
   /**
-   * Triangles inside outlines (each x y x y…, at least 3 points): a mesh to register, with about so many vertices
-   * (0: 1000).
+   * Triangles inside outlines (each x y x y…, at least 3 points): a mesh to register, with about so
+   * many vertices (0: 1000).
    */
-  async meshOutline(outlines: readonly Numbers[], vertices = 0, call: CallOptions = {}): Promise<OutlineMesh> {
+  async meshOutline(
+    outlines: readonly Numbers[],
+    vertices = 0,
+    call: CallOptions = {},
+  ): Promise<OutlineMesh> {
     const request = {
-      outlines: outlines.map((points, i) => ({ points: numberRun(points, `outlines[${i}].points`) })),
+      outlines: outlines.map((points, i) => ({
+        points: numberRun(points, `outlines[${i}].points`),
+      })),
       vertexCount: index(vertices, "vertex_count"),
     };
     return outlineMeshOf(await ask(this.#channel, deformation.MeshOutline, request, work, call));
   }
 
   /** Flattens a surface, true to size. Needs no session. */
-  async flatten(mesh: SurfaceMesh, options: FlattenOptions = {}, call: CallOptions = {}): Promise<FlatSurface> {
+  async flatten(
+    mesh: SurfaceMesh,
+    options: FlattenOptions = {},
+    call: CallOptions = {},
+  ): Promise<FlatSurface> {
     const request = { ...flattenToWire(mesh, options), maxResponseBytes: maxMessageBytes };
-    return flatSurfaceOf(await ask(this.#channel, flattening.Flatten, request, work, call), mesh, options);
+    return flatSurfaceOf(
+      await ask(this.#channel, flattening.Flatten, request, work, call),
+      mesh,
+      options,
+    );
   }
 }

@@ -27,9 +27,10 @@ export interface Facts {
 /**
  * The only kind of error that the package throws or rejects with.
  *
- * Without an answer of the server the transport failed, and the reason is DRAINING (nobody there, or the server is going
- * away: connect again), OVERLOADED, DEADLINE_EXCEEDED, CANCELLED, UNIMPLEMENTED or INTERNAL. INTERNAL is also an answer
- * that does not fit what was asked for; its sentence says so.
+ * Without an answer of the server the transport failed, and the reason is DRAINING (nobody there,
+ * or the server is going away: connect again), OVERLOADED, DEADLINE_EXCEEDED, CANCELLED,
+ * UNIMPLEMENTED or INTERNAL. INTERNAL is also an answer that does not fit what was asked for; its
+ * sentence says so.
  */
 export class ArapError extends Error {
   override readonly name = "ArapError";
@@ -88,15 +89,46 @@ const known: ReadonlySet<string> = new Set(Object.keys(reasonsOfTable()));
 // The compiler sees to it that none is missing and none is too many.
 function reasonsOfTable(): Record<Reason, true> {
   return {
-    EMPTY_MESH: true, ARRAY_LENGTH: true, NON_FINITE_COORDINATE: true, INDEX_OUT_OF_RANGE: true, REPEATED_INDEX: true,
-    DEGENERATE_TRIANGLE: true, DUPLICATE_TRIANGLE: true, NON_MANIFOLD_EDGE: true, NON_MANIFOLD_VERTEX: true,
-    NOT_ORIENTABLE: true, NOT_A_DISK: true, UNKNOWN_EDGE: true, NOT_INJECTIVE: true, MESH_TOO_LARGE: true,
-    INVALID_OPTION: true, HANDLE_OUTSIDE: true, DUPLICATE_HANDLE: true, UNKNOWN_HANDLE: true,
-    CONFLICTING_HANDLES: true, NON_FINITE_TARGET: true, TARGET_COUNT: true, TOO_MANY_HANDLES: true,
-    INVALID_NAME: true, NOT_FOUND: true, ALREADY_EXISTS: true, PROTOCOL: true, LIMIT_EXCEEDED: true,
-    OUT_OF_MEMORY: true, OVERLOADED: true, DRAINING: true, CANCELLED: true, DEADLINE_EXCEEDED: true,
-    STREAM_IDLE: true, UNAUTHENTICATED: true, PERMISSION_DENIED: true, STORE_UNAVAILABLE: true, DATA_LOSS: true,
-    UNIMPLEMENTED: true, NUMERICAL: true, INTERNAL: true,
+    EMPTY_MESH: true,
+    ARRAY_LENGTH: true,
+    NON_FINITE_COORDINATE: true,
+    INDEX_OUT_OF_RANGE: true,
+    REPEATED_INDEX: true,
+    DEGENERATE_TRIANGLE: true,
+    DUPLICATE_TRIANGLE: true,
+    NON_MANIFOLD_EDGE: true,
+    NON_MANIFOLD_VERTEX: true,
+    NOT_ORIENTABLE: true,
+    NOT_A_DISK: true,
+    UNKNOWN_EDGE: true,
+    NOT_INJECTIVE: true,
+    MESH_TOO_LARGE: true,
+    INVALID_OPTION: true,
+    HANDLE_OUTSIDE: true,
+    DUPLICATE_HANDLE: true,
+    UNKNOWN_HANDLE: true,
+    CONFLICTING_HANDLES: true,
+    NON_FINITE_TARGET: true,
+    TARGET_COUNT: true,
+    TOO_MANY_HANDLES: true,
+    INVALID_NAME: true,
+    NOT_FOUND: true,
+    ALREADY_EXISTS: true,
+    PROTOCOL: true,
+    LIMIT_EXCEEDED: true,
+    OUT_OF_MEMORY: true,
+    OVERLOADED: true,
+    DRAINING: true,
+    CANCELLED: true,
+    DEADLINE_EXCEEDED: true,
+    STREAM_IDLE: true,
+    UNAUTHENTICATED: true,
+    PERMISSION_DENIED: true,
+    STORE_UNAVAILABLE: true,
+    DATA_LOSS: true,
+    UNIMPLEMENTED: true,
+    NUMERICAL: true,
+    INTERNAL: true,
   };
 }
 /** All reasons. */
@@ -149,7 +181,14 @@ export function errorOf(status: StatusAnswer): ArapError {
     }
   }
   const { elements, ...details } = metadata;
-  const facts: Facts = { reason, message: status.message, code: codeName(status.code), field, retryAfter, details };
+  const facts: Facts = {
+    reason,
+    message: status.message,
+    code: codeName(status.code),
+    field,
+    retryAfter,
+    details,
+  };
   facts.elements = idsOf(elements);
   if (unknownReason !== undefined) facts.unknownReason = unknownReason;
   return new ArapError(facts);
@@ -164,12 +203,16 @@ export function errorOfCall(status: CallStatus): ArapError {
   } catch {
     // Details that do not parse are a broken proxy's; the code and the message still count.
   }
-  return errorOf({ code: status.code, message: told?.message || status.details, details: told?.details ?? [] });
+  return errorOf({
+    code: status.code,
+    message: told?.message || status.details,
+    details: told?.details ?? [],
+  });
 }
 
 /**
- * Whether a call that ended so, and that we did not cancel, was lost and may do better elsewhere: its server is gone or
- * going away, or a proxy says so in its own words.
+ * Whether a call that ended so, and that we did not cancel, was lost and may do better elsewhere:
+ * its server is gone or going away, or a proxy says so in its own words.
  */
 export function isLost(status: CallStatus): boolean {
   switch (status.code) {

@@ -1,5 +1,16 @@
-// Flattening of surfaces: what to ask for, what comes back, and jobs of it that go on by themselves.
-import { checkCount, checkFinite, checkIndices, checkNumbers, index, indexRun, present, runOf, toEnum } from "./checks.js";
+// Flattening of surfaces: what to ask for, what comes back, and jobs of it that go on by
+// themselves.
+import {
+  checkCount,
+  checkFinite,
+  checkIndices,
+  checkNumbers,
+  index,
+  indexRun,
+  present,
+  runOf,
+  toEnum,
+} from "./checks.js";
 import type { Names } from "./checks.js";
 import { badAnswer } from "./errors.js";
 import type { DistortionAnswer } from "./gen/arap/v1/Distortion.js";
@@ -92,11 +103,17 @@ export interface FlatChart {
   refinements: number;
 }
 
-/** A flat surface, true to size. #U ≥ #V flat positions: vertices have copies along cuts. Times in microseconds. */
+/**
+ * A flat surface, true to size. #U ≥ #V flat positions: vertices have copies along cuts. Times in
+ * microseconds.
+ */
 export interface FlatSurface {
   /** u v u v…, length 2·#U, in the units of the input. A Float64Array where float64 was asked. */
   uv: Float32Array | Float64Array;
-  /** For each flat position the input vertex that it came from, length #U; the first #V are the vertices in order. */
+  /**
+   * For each flat position the input vertex that it came from, length #U; the first #V are the
+   * vertices in order.
+   */
   uvVertex: Uint32Array;
   /** For each triangle corner its flat position, length 3·#F. */
   cornerUv: Uint32Array;
@@ -141,7 +158,10 @@ export function flattenToWire(mesh: SurfaceMesh, options: FlattenOptions): Flatt
     autoCut: options.autoCut ?? false,
     splitNonManifold: options.splitNonManifold ?? false,
     tolerateDegenerate: options.tolerateDegenerate ?? false,
-    pins: (options.pins ?? []).map((pin, i) => ({ ...pin, vertex: index(pin.vertex, `pins[${i}].vertex`) })),
+    pins: (options.pins ?? []).map((pin, i) => ({
+      ...pin,
+      vertex: index(pin.vertex, `pins[${i}].vertex`),
+    })),
     grainLines: (options.grainLines ?? []).map((line, i) => ({
       fromVertex: index(line.fromVertex, `grain_lines[${i}].from_vertex`),
       toVertex: index(line.toVertex, `grain_lines[${i}].to_vertex`),
@@ -164,14 +184,17 @@ function chartOf(chart: FlatChartAnswer, positions: number, triangles: number): 
   const anchors = runOf(chart.anchors, uint32Run, "anchors");
   for (const indices of [...loops, anchors]) checkIndices(indices, positions, "the flat position");
   if (chart.triangleCount > triangles) {
-    throw badAnswer(`The server answered a chart of ${chart.triangleCount} triangles; the mesh has ${triangles}.`);
+    throw badAnswer(
+      `The server answered a chart of ${chart.triangleCount} triangles; the mesh has ${triangles}.`,
+    );
   }
   const { triangleCount, boundaryCrossings, refinements } = chart;
   const distortion = distortionOf(chart.distortion, triangles);
   return { loops, anchors, triangleCount, distortion, boundaryCrossings, refinements };
 }
 
-// Each corner of the layout is a copy of the vertex that it has in the mesh, or of the one that stands for it.
+// Each corner of the layout is a copy of the vertex that it has in the mesh, or of the one that
+// stands for it.
 function checkCorners(flat: FlatSurface, mesh: SurfaceMesh): void {
   for (let corner = 0; corner < flat.cornerUv.length; corner++) {
     const vertex = mesh.triangles[corner]!;
@@ -202,24 +225,39 @@ function checkLayout(flat: FlatSurface, mesh: SurfaceMesh, options: FlattenOptio
   checkCount(flat.cornerUv.length, 3 * triangles, "corners of flat triangles");
   checkCorners(flat, mesh);
   checkFinite(flat.uv, 2, "the flat position");
-  checkCount(flat.firstStepUv.length, options.firstStep ? 2 * positions : 0, "numbers after the first step");
+  checkCount(
+    flat.firstStepUv.length,
+    options.firstStep ? 2 * positions : 0,
+    "numbers after the first step",
+  );
   checkFinite(flat.firstStepUv, 2, "the first step's position");
-  checkCount(flat.singularValues.length, options.singularValues ? 2 * triangles : 0, "singular values");
+  checkCount(
+    flat.singularValues.length,
+    options.singularValues ? 2 * triangles : 0,
+    "singular values",
+  );
   checkFinite(flat.singularValues, 2, "the singular values of triangle");
   checkCount(flat.triangleChart.length, triangles, "triangles with a chart");
   checkIndices(flat.triangleChart, flat.charts.length, "chart");
   checkIndices(flat.cutEdges, vertices, "vertex");
   if (flat.cutEdges.length % 2 !== 0 || flat.autoCutCount > flat.cutEdges.length / 2) {
-    throw badAnswer(`The server answered ${flat.autoCutCount} automatic cuts of ${flat.cutEdges.length / 2}.`);
+    throw badAnswer(
+      `The server answered ${flat.autoCutCount} automatic cuts of ${flat.cutEdges.length / 2}.`,
+    );
   }
   checkIndices(flat.leftOutTriangles, triangles, "triangle");
   checkIndices(flat.anchorVertices, vertices, "vertex");
 }
 
 /** A layout of that mesh with all that was asked for. */
-export function flatSurfaceOf(answer: FlattenResponseAnswer, mesh: SurfaceMesh, options: FlattenOptions): FlatSurface {
+export function flatSurfaceOf(
+  answer: FlattenResponseAnswer,
+  mesh: SurfaceMesh,
+  options: FlattenOptions,
+): FlatSurface {
   const other = options.float64 ? answer.uv : answer.uv64;
-  if (other.length > 0) throw badAnswer("The server answered a layout in another precision than was asked.");
+  if (other.length > 0)
+    throw badAnswer("The server answered a layout in another precision than was asked.");
   const indices = (bytes: Uint8Array): Uint32Array => runOf(bytes, uint32Run, "indices");
   const uv = options.float64
     ? runOf(answer.uv64, float64Run, "positions")

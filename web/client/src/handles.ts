@@ -1,5 +1,15 @@
 // Handles and their compilation: places of a mesh that the caller moves, and where they should go.
-import { checkCount, checkId, checkIndices, checkNumbers, index, numberRun, present, runOf, toEnum } from "./checks.js";
+import {
+  checkCount,
+  checkId,
+  checkIndices,
+  checkNumbers,
+  index,
+  numberRun,
+  present,
+  runOf,
+  toEnum,
+} from "./checks.js";
 import type { MeshSize, Names } from "./checks.js";
 import { badAnswer, badOption } from "./errors.js";
 import type { Handle as WireHandle } from "./gen/arap/v1/Handle.js";
@@ -101,7 +111,10 @@ function anchorToWire(handle: Handle, path: string): Partial<WireHandle> {
     return { trianglePoint: { triangle, barycentric } };
   }
   if ("position" in handle) return { position: { x: handle.position[0], y: handle.position[1] } };
-  throw badOption(path, `${path} has no anchor: give vertex, triangle and barycentric, or position.`);
+  throw badOption(
+    path,
+    `${path} has no anchor: give vertex, triangle and barycentric, or position.`,
+  );
 }
 
 export const handlesToWire = (handles: readonly Handle[], field = "handles"): WireHandle[] =>
@@ -112,17 +125,26 @@ export const handlesToWire = (handles: readonly Handle[], field = "handles"): Wi
     hard: handle.hard ?? false,
     oriented: handle.oriented ?? false,
     areaRadius: handle.areaRadius ?? 0,
-    ...(handle.outside && { outside: toEnum(OutsidePolicy, "OUTSIDE_POLICY_", handle.outside, `${field}[${i}].outside`) }),
+    ...(handle.outside && {
+      outside: toEnum(OutsidePolicy, "OUTSIDE_POLICY_", handle.outside, `${field}[${i}].outside`),
+    }),
     depth: handle.depth ?? 0,
     depthFalloff: handle.depthFalloff ?? 0,
   }));
 
 export const targetsToWire = (targets: readonly HandleTarget[]): WireTarget[] =>
   targets.map(({ id, x, y, angle, scale }) => ({
-    handleId: id, x, y, angleRadians: angle ?? 0, ...(scale !== undefined && { scale }),
+    handleId: id,
+    x,
+    y,
+    angleRadians: angle ?? 0,
+    ...(scale !== undefined && { scale }),
   }));
 
-/** The set of this id; `meshId` unless that is empty; and behind other handles those of `last`, or just those. */
+/**
+ * The set of this id; `meshId` unless that is empty; and behind other handles those of `last`, or
+ * just those.
+ */
 export interface SetQuestion {
   id: string;
   meshId?: string;
@@ -134,7 +156,8 @@ function placedOf(set: HandleSetInfoAnswer, asked: SetQuestion): PlacedHandle[] 
   const seen = new Set<string>();
   const handles = set.handles.map((handle): PlacedHandle => {
     checkId(handle.handleId, "", "handle");
-    if (seen.has(handle.handleId)) throw badAnswer(`The server answered the handle "${handle.handleId}" twice.`);
+    if (seen.has(handle.handleId))
+      throw badAnswer(`The server answered the handle "${handle.handleId}" twice.`);
     seen.add(handle.handleId);
     const rest = present(handle.rest, "the place of a handle");
     checkNumbers([rest.x, rest.y, handle.snappedDistance], "a handle");
@@ -143,7 +166,9 @@ function placedOf(set: HandleSetInfoAnswer, asked: SetQuestion): PlacedHandle[] 
   });
   const last = asked.last ?? [];
   if (handles.length < last.length || (asked.all && handles.length !== last.length)) {
-    throw badAnswer(`The server answered a set of ${handles.length} handles; ${last.length} were sent.`);
+    throw badAnswer(
+      `The server answered a set of ${handles.length} handles; ${last.length} were sent.`,
+    );
   }
   const first = handles.length - last.length;
   last.forEach((handle, i) => checkId(handles[first + i]!.id, handle.id, "handle"));
@@ -151,7 +176,9 @@ function placedOf(set: HandleSetInfoAnswer, asked: SetQuestion): PlacedHandle[] 
 }
 
 export function handleSetOf(
-  answer: HandleSetInfoAnswer | null, asked: SetQuestion, sizeOf: (meshId: string) => MeshSize | undefined,
+  answer: HandleSetInfoAnswer | null,
+  asked: SetQuestion,
+  sizeOf: (meshId: string) => MeshSize | undefined,
 ): HandleSetInfo {
   const set = present(answer, "the handle set");
   checkId(set.handleSetId, asked.id, "handle set");
@@ -166,7 +193,8 @@ export function handleSetOf(
   }
   const mesh = sizeOf(set.meshId);
   if (mesh && depth.length > 0) checkCount(depth.length, mesh.vertices, "depths");
-  if (mesh && drawOrder.length > 0) checkCount(drawOrder.length, mesh.triangles, "triangles in drawing order");
+  if (mesh && drawOrder.length > 0)
+    checkCount(drawOrder.length, mesh.triangles, "triangles in drawing order");
   return {
     id: set.handleSetId,
     meshId: set.meshId,
@@ -190,7 +218,9 @@ export interface CompilationAnswer {
 }
 
 export const compilationOf = (
-  answer: CompilationAnswer, asked: SetQuestion, sizeOf: (meshId: string) => MeshSize | undefined,
+  answer: CompilationAnswer,
+  asked: SetQuestion,
+  sizeOf: (meshId: string) => MeshSize | undefined,
 ): Compilation => ({
   handleSet: handleSetOf(answer.handleSet, asked, sizeOf),
   queueMicros: microseconds(answer.queueTime),

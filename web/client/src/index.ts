@@ -7,10 +7,34 @@ export { ArapError, reasons } from "./errors.js";
 export type { Code, Reason } from "./errors.js";
 export { hasEnded } from "./jobs.js";
 export type { FlattenJob, JobState } from "./jobs.js";
-export type { Distortion, FlatChart, FlatSurface, FlattenOptions, GrainLine, UvPin } from "./flatten.js";
-export type { Anchor, Compilation, Handle, HandleSetInfo, HandleTarget, PlacedHandle, Point } from "./handles.js";
 export type {
-  Basis, EdgeWeights, EnergyOptions, MeshInfo, OutlineMesh, PlanarMesh, Registration, RepairOptions, SurfaceMesh, Warning,
+  Distortion,
+  FlatChart,
+  FlatSurface,
+  FlattenOptions,
+  GrainLine,
+  UvPin,
+} from "./flatten.js";
+export type {
+  Anchor,
+  Compilation,
+  Handle,
+  HandleSetInfo,
+  HandleTarget,
+  PlacedHandle,
+  Point,
+} from "./handles.js";
+export type {
+  Basis,
+  EdgeWeights,
+  EnergyOptions,
+  MeshInfo,
+  OutlineMesh,
+  PlanarMesh,
+  Registration,
+  RepairOptions,
+  SurfaceMesh,
+  Warning,
 } from "./mesh.js";
 export type { PositionOptions, Positions } from "./positions.js";
 export type { Indices, Numbers } from "./runs.js";

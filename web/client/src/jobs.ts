@@ -1,4 +1,5 @@
-// Flattenings as jobs: each answer is checked as it comes, and one that comes in pieces is gone on with where it was lost.
+// Flattenings as jobs: each answer is checked as it comes, and one that comes in pieces is gone on
+// with where it was lost.
 import { makeCall, pieces, quickLimit } from "./calls.js";
 import type { Attempt, CallOptions, Manner } from "./calls.js";
 import type { Channel } from "./channel.js";
@@ -30,7 +31,8 @@ export interface FlattenJob {
 }
 
 /** Whether nothing more will happen to it. */
-export const hasEnded = (job: FlattenJob): boolean => job.state !== "waiting" && job.state !== "running";
+export const hasEnded = (job: FlattenJob): boolean =>
+  job.state !== "waiting" && job.state !== "running";
 
 /** The job of that name. */
 export function jobOf(answer: JobAnswer | null, id: string): FlattenJob {
@@ -60,7 +62,11 @@ const late = (): string => `The server has told nothing of the job for ${quickLi
 
 // Reads an answer in pieces to its end, from `request()` anew where a call was lost.
 async function read<Request, Answer>(
-  channel: Channel, method: Method<Request, Answer>, request: () => Request, options: CallOptions, sessionId: string,
+  channel: Channel,
+  method: Method<Request, Answer>,
+  request: () => Request,
+  options: CallOptions,
+  sessionId: string,
   take: (answer: Answer) => void,
 ): Promise<void> {
   let heard = false;
@@ -74,9 +80,16 @@ async function read<Request, Answer>(
   await makeCall(channel, inPieces, options, sessionId, attempt, () => heard);
 }
 
-/** Until the job has ended; `onChange` hears of it at once, when something has changed and every second or so. */
+/**
+ * Until the job has ended; `onChange` hears of it at once, when something has changed and every
+ * second or so.
+ */
 export async function watch(
-  channel: Channel, sessionId: string, jobId: string, options: CallOptions, onChange?: (job: FlattenJob) => void,
+  channel: Channel,
+  sessionId: string,
+  jobId: string,
+  options: CallOptions,
+  onChange?: (job: FlattenJob) => void,
 ): Promise<FlattenJob> {
   let last: FlattenJob | undefined;
   const take = (answer: { job: JobAnswer | null }): void => {
@@ -90,13 +103,18 @@ export async function watch(
 
 /** The bytes of the result of a job that is done. */
 export async function download(
-  channel: Channel, sessionId: string, jobId: string, options: CallOptions,
+  channel: Channel,
+  sessionId: string,
+  jobId: string,
+  options: CallOptions,
 ): Promise<Buffer> {
   const parts: Buffer[] = [];
   let length = 0;
   let total: number | undefined;
   const take = (piece: { data: Buffer; offset: number; totalBytes: number }): void => {
-    const fits = piece.offset === length && piece.totalBytes === (total ?? piece.totalBytes) &&
+    const fits =
+      piece.offset === length &&
+      piece.totalBytes === (total ?? piece.totalBytes) &&
       piece.data.length <= piece.totalBytes - length;
     if (!fits) throw badAnswer("The server answered a result whose pieces do not fit.");
     total = piece.totalBytes;
@@ -105,6 +123,7 @@ export async function download(
   };
   const request = (): object => ({ sessionId, jobId, offset: length });
   await read(channel, flattening.DownloadResult, request, options, sessionId, take);
-  if (length !== total) throw badAnswer(`The server answered ${length} bytes of a result of ${total ?? 0}.`);
+  if (length !== total)
+    throw badAnswer(`The server answered ${length} bytes of a result of ${total ?? 0}.`);
   return Buffer.concat(parts, length);
 }

@@ -1,6 +1,17 @@
-// Meshes and their registration. Nothing but lengths is checked on this side: the server checks, and names what is wrong.
-import { checkCount, checkFinite, checkId, checkIndices, checkNumbers, indexRun, numberRun, present, runOf,
-  toEnum } from "./checks.js";
+// Meshes and their registration. Nothing but lengths is checked on this side: the server checks,
+// and names what is wrong.
+import {
+  checkCount,
+  checkFinite,
+  checkId,
+  checkIndices,
+  checkNumbers,
+  indexRun,
+  numberRun,
+  present,
+  runOf,
+  toEnum,
+} from "./checks.js";
 import type { Names } from "./checks.js";
 import { badAnswer } from "./errors.js";
 import { Basis as WireBasis } from "./gen/arap/v1/Basis.js";
@@ -46,7 +57,9 @@ export interface EnergyOptions {
   rigidity?: Numbers;
 }
 
-/** What is mended of a mesh first; every answer speaks of the vertices and triangles that were sent. */
+/**
+ * What is mended of a mesh first; every answer speaks of the vertices and triangles that were sent.
+ */
 export interface RepairOptions {
   /** Vertices within the tolerance of one another become one. */
   weld?: boolean;
@@ -106,7 +119,9 @@ export interface OutlineMesh {
   solveMicros: number;
 }
 
-export const meshToWire = (mesh: PlanarMesh | SurfaceMesh): { vertices: Uint8Array; triangles: Uint8Array } => ({
+export const meshToWire = (
+  mesh: PlanarMesh | SurfaceMesh,
+): { vertices: Uint8Array; triangles: Uint8Array } => ({
   vertices: numberRun(mesh.vertices, "mesh.vertices"),
   triangles: indexRun(mesh.triangles, "mesh.triangles"),
 });
@@ -114,7 +129,9 @@ export const meshToWire = (mesh: PlanarMesh | SurfaceMesh): { vertices: Uint8Arr
 export function energyToWire(energy: EnergyOptions): WireEnergy {
   return {
     ...(energy.basis && { basis: toEnum(WireBasis, "BASIS_", energy.basis, "energy.basis") }),
-    ...(energy.weights && { weights: toEnum(WireWeights, "EDGE_WEIGHTS_", energy.weights, "energy.weights") }),
+    ...(energy.weights && {
+      weights: toEnum(WireWeights, "EDGE_WEIGHTS_", energy.weights, "energy.weights"),
+    }),
     ...(energy.rigidity && { rigidity: numberRun(energy.rigidity, "energy.rigidity") }),
   };
 }
@@ -128,10 +145,16 @@ export const repairToWire = (repair: RepairOptions): WireRepair => ({
 
 export const warningsOf = (warnings: readonly WarningAnswer[]): Warning[] =>
   warnings.map(({ kind, count, elements, message }) => ({
-    kind, count, message, elements: runOf(elements, uint32Run, "the elements of a warning"),
+    kind,
+    count,
+    message,
+    elements: runOf(elements, uint32Run, "the elements of a warning"),
   }));
 
-/** The mesh of that id (any when it is empty); with as many vertices and triangles as were sent, if they were. */
+/**
+ * The mesh of that id (any when it is empty); with as many vertices and triangles as were sent, if
+ * they were.
+ */
 export function meshInfoOf(answer: MeshInfoAnswer | null, id: string, sent?: PlanarMesh): MeshInfo {
   const mesh = present(answer, "the mesh");
   checkId(mesh.meshId, id, "mesh");
@@ -175,4 +198,3 @@ export function outlineMeshOf(answer: MeshOutlineResponseAnswer): OutlineMesh {
     solveMicros: microseconds(answer.solveTime),
   };
 }
-

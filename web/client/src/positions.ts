@@ -1,5 +1,13 @@
 // The positions of a shape: how they may be asked to travel, and what comes of them.
-import { checkCount, checkFinite, checkIndices, checkNumbers, indexRun, runOf, toEnum } from "./checks.js";
+import {
+  checkCount,
+  checkFinite,
+  checkIndices,
+  checkNumbers,
+  indexRun,
+  runOf,
+  toEnum,
+} from "./checks.js";
 import type { MeshSize, Names } from "./checks.js";
 import { badAnswer } from "./errors.js";
 import type { DeformOptions as WireOptions } from "./gen/arap/v1/DeformOptions.js";
@@ -15,13 +23,14 @@ export interface PositionOptions {
   /** In double precision. */
   float64?: boolean;
   /**
-   * In single precision relative to an origin that every shape states. Without it floats lose far from 0 what lies between
-   * two of them, a quarter of a unit at 5,400,000; with it nothing. Implied by "int16_le", without effect with float64.
+   * In single precision relative to an origin that every shape states. Without it floats lose far
+   * from 0 what lies between two of them, a quarter of a unit at 5,400,000; with it nothing.
+   * Implied by "int16_le", without effect with float64.
    */
   relativeToOrigin?: boolean;
   /**
-   * Default "float32". "int16_le" has half the size and is off by at most half of `scale`. Not with float64. The two others
-   * cost the same here.
+   * Default "float32". "int16_le" has half the size and is off by at most half of `scale`. Not with
+   * float64. The two others cost the same here.
    */
   encoding?: Names<PositionEncodingAnswer, "POSITION_ENCODING_">;
   /** Of the vertices on the boundary alone. */
@@ -33,11 +42,13 @@ export interface PositionOptions {
 /** Positions of a shape. */
 export interface Positions {
   /**
-   * x y x y… of the vertices in units of the mesh, wherever their origin is: a Float32Array, or a Float64Array where float64
-   * or an origin was asked for.
+   * x y x y… of the vertices in units of the mesh, wherever their origin is: a Float32Array, or a
+   * Float64Array where float64 or an origin was asked for.
    */
   readonly positions: Float32Array | Float64Array;
-  /** The numbers that travelled: relative to the origin, and with "int16_le" in units of `scale`. */
+  /**
+   * The numbers that travelled: relative to the origin, and with "int16_le" in units of `scale`.
+   */
   readonly local: Float32Array | Float64Array | Int16Array;
   /** 0, 0 unless one was asked for. */
   readonly origin: Point;
@@ -60,11 +71,18 @@ export const positionOptionsToWire = (options: PositionOptions): WireOptions => 
 });
 
 /** The vertices that all shapes of an answer are of; null: all. */
-export function verticesOf(bytes: Uint8Array, options: PositionOptions, mesh: MeshSize | undefined): Uint32Array | null {
+export function verticesOf(
+  bytes: Uint8Array,
+  options: PositionOptions,
+  mesh: MeshSize | undefined,
+): Uint32Array | null {
   const vertices = runOf(bytes, uint32Run, "vertices");
   const { vertexSubset = [], boundaryOnly = false } = options;
   if (vertexSubset.length > 0) {
-    if (vertices.length !== vertexSubset.length || vertices.some((vertex, i) => vertex !== vertexSubset[i])) {
+    if (
+      vertices.length !== vertexSubset.length ||
+      vertices.some((vertex, i) => vertex !== vertexSubset[i])
+    ) {
       throw badAnswer("The server answered other vertices than were asked for.");
     }
   } else if (!boundaryOnly) {
@@ -87,7 +105,9 @@ function fieldOf(shape: ShapeAnswer, options: PositionOptions): Field {
   const wanted = options.float64 ? "positions64" : packed ? "packedPositions" : "positions";
   for (const field of ["positions", "positions64", "packedPositions"] as const) {
     if (field !== wanted && shape[field].length > 0) {
-      throw badAnswer("The server answered a shape in another precision or encoding than was asked.");
+      throw badAnswer(
+        "The server answered a shape in another precision or encoding than was asked.",
+      );
     }
   }
   return wanted;
@@ -102,20 +122,29 @@ function localOf(shape: ShapeAnswer, options: PositionOptions): Positions["local
 
 function originOf(shape: ShapeAnswer, options: PositionOptions): Point | undefined {
   const origin = runOf(shape.origin, float64Run, "an origin");
-  const asked = options.encoding === "int16_le" || (options.relativeToOrigin === true && !options.float64);
+  const asked =
+    options.encoding === "int16_le" || (options.relativeToOrigin === true && !options.float64);
   if (!asked && origin.length > 0) {
-    throw badAnswer("The server answered a shape relative to an origin for which it was not asked.");
+    throw badAnswer(
+      "The server answered a shape relative to an origin for which it was not asked.",
+    );
   }
   if (!asked) return undefined;
   // Of a server that has never heard of origins: the coordinates themselves.
   if (origin.length === 0 && options.encoding !== "int16_le") return undefined;
-  if (origin.length !== 2) throw badAnswer("The server answered a shape without the origin that it is relative to.");
+  if (origin.length !== 2)
+    throw badAnswer("The server answered a shape without the origin that it is relative to.");
   checkNumbers([origin[0]!, origin[1]!], "an origin");
   return [origin[0]!, origin[1]!];
 }
 
 // What costs a pass over the numbers is found out when somebody asks for it.
-function made(local: Positions["local"], origin: Point | undefined, scale: number, vertices: Uint32Array | null): Positions {
+function made(
+  local: Positions["local"],
+  origin: Point | undefined,
+  scale: number,
+  vertices: Uint32Array | null,
+): Positions {
   let absolute: Positions["positions"] | undefined;
   let error: number | undefined;
   const place = (number: number, i: number): number => number * scale + origin![i % 2]!;
@@ -142,7 +171,10 @@ function made(local: Positions["local"], origin: Point | undefined, scale: numbe
 
 /** The positions of a shape that were asked for. `vertices` as verticesOf has them. */
 export function positionsOf(
-  shape: ShapeAnswer, options: PositionOptions, mesh: MeshSize | undefined, vertices: Uint32Array | null,
+  shape: ShapeAnswer,
+  options: PositionOptions,
+  mesh: MeshSize | undefined,
+  vertices: Uint32Array | null,
 ): Positions {
   const local = localOf(shape, options);
   if (local.length % 2 !== 0) throw badAnswer("The server answered half a position.");

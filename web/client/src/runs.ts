@@ -1,6 +1,7 @@
-// Runs of numbers on the wire. proto3 packs them: one length, then the numbers one behind the other, floating point ones
-// little-endian, integers as varints. Floating point runs become typed arrays without looking at a single number: a
-// view where the bytes lie on their boundary, else one copy of the block.
+// Runs of numbers on the wire. proto3 packs them: one length, then the numbers one behind the
+// other, floating point ones little-endian, integers as varints. Floating point runs become typed
+// arrays without looking at a single number: a view where the bytes lie on their boundary, else one
+// copy of the block.
 import { endianness } from "node:os";
 
 /** Numbers that a caller may give. They are copied: the caller's array may change at once. */
@@ -10,11 +11,15 @@ export type Indices = Uint32Array | Uint16Array | readonly number[];
 
 const swaps = endianness() === "BE";
 
-type Constructor<T> = { new (buffer: ArrayBufferLike, offset: number, length: number): T; BYTES_PER_ELEMENT: number };
+type Constructor<T> = {
+  new (buffer: ArrayBufferLike, offset: number, length: number): T;
+  BYTES_PER_ELEMENT: number;
+};
 
 function view<T>(bytes: Uint8Array, type: Constructor<T>): T {
   const size = type.BYTES_PER_ELEMENT;
-  if (bytes.length % size !== 0) throw new RangeError(`${bytes.length} bytes are no run of numbers of ${size} bytes`);
+  if (bytes.length % size !== 0)
+    throw new RangeError(`${bytes.length} bytes are no run of numbers of ${size} bytes`);
   if (!swaps && bytes.byteOffset % size === 0) {
     return new type(bytes.buffer, bytes.byteOffset, bytes.length / size);
   }
@@ -63,7 +68,8 @@ export function packUint32(numbers: Indices): Uint8Array {
   let length = 0;
   for (let i = 0; i < numbers.length; i++) {
     let rest = numbers[i]!;
-    if (!isUint32(rest)) throw new RangeError(`[${i}] is ${rest}, which is no whole number from 0 to 4294967295`);
+    if (!isUint32(rest))
+      throw new RangeError(`[${i}] is ${rest}, which is no whole number from 0 to 4294967295`);
     while (rest >= 0x80) {
       bytes[length++] = (rest & 0x7f) | 0x80;
       rest >>>= 7;
@@ -77,7 +83,8 @@ export const isUint32 = (value: number): boolean => value >>> 0 === value;
 
 /** The first number that is not finite, or -1. */
 export function firstNonFinite(numbers: Float32Array | Float64Array): number {
-  // 0 times anything but a finite number is NaN. Four sums, so that they need not wait for one another.
+  // 0 times anything but a finite number is NaN. Four sums, so that they need not wait for one
+  // another.
   let a = 0;
   let b = 0;
   let c = 0;

@@ -12,7 +12,14 @@ import type { Compilation, Handle, HandleSetInfo, HandleTarget } from "./handles
 import { download, hasEnded, jobOf, watch } from "./jobs.js";
 import type { FlattenJob } from "./jobs.js";
 import { energyToWire, meshInfoOf, meshToWire, repairToWire } from "./mesh.js";
-import type { EnergyOptions, MeshInfo, PlanarMesh, Registration, RepairOptions, SurfaceMesh } from "./mesh.js";
+import type {
+  EnergyOptions,
+  MeshInfo,
+  PlanarMesh,
+  Registration,
+  RepairOptions,
+  SurfaceMesh,
+} from "./mesh.js";
 import { verticesOf } from "./positions.js";
 import type { Numbers } from "./runs.js";
 import { picksToWire, shapeOf, shapeOptionsToWire } from "./shape.js";
@@ -22,7 +29,14 @@ import { DeformStream } from "./stream/deform_stream.js";
 import type { StreamOptions } from "./stream/options.js";
 import { deformTrack } from "./track.js";
 import type { TrackFrame } from "./track.js";
-import { dateOf, deformation, flattening, microseconds, milliseconds, readFlattenResponse } from "./wire.js";
+import {
+  dateOf,
+  deformation,
+  flattening,
+  microseconds,
+  milliseconds,
+  readFlattenResponse,
+} from "./wire.js";
 
 export interface SessionInfo {
   id: string;
@@ -62,9 +76,10 @@ export function sessionInfoOf(answer: SessionAnswer | null, id: string): Session
 }
 
 /**
- * Names a session on the server; dropping it leaves the session there. Every call sends the id as the header
- * "x-session-id", by which a load balancer finds the replica. Shapes must have as many vertices as their mesh where this
- * object has registered or got the mesh; of others they may be of any size.
+ * Names a session on the server; dropping it leaves the session there. Every call sends the id as
+ * the header "x-session-id", by which a load balancer finds the replica. Shapes must have as many
+ * vertices as their mesh where this object has registered or got the mesh; of others they may be of
+ * any size.
  */
 export class Session {
   readonly id: string;
@@ -91,7 +106,11 @@ export class Session {
   }
 
   /** Mends, validates and factors a mesh. */
-  async registerMesh(mesh: PlanarMesh, options: RegisterOptions = {}, call: CallOptions = {}): Promise<Registration> {
+  async registerMesh(
+    mesh: PlanarMesh,
+    options: RegisterOptions = {},
+    call: CallOptions = {},
+  ): Promise<Registration> {
     const { id = "", energy = {}, repair } = options;
     const request = {
       sessionId: this.id,
@@ -104,7 +123,12 @@ export class Session {
     const info = meshInfoOf(answer.mesh, id, mesh);
     this.#sizes.know(info.id, { vertices: info.vertexCount, triangles: info.triangleCount });
     const { shared, queueTime, solveTime } = answer;
-    return { mesh: info, shared, queueMicros: microseconds(queueTime), solveMicros: microseconds(solveTime) };
+    return {
+      mesh: info,
+      shared,
+      queueMicros: microseconds(queueTime),
+      solveMicros: microseconds(solveTime),
+    };
   }
 
   async getMesh(meshId: string, call: CallOptions = {}): Promise<MeshInfo> {
@@ -123,26 +147,58 @@ export class Session {
   }
 
   async compileHandles(
-    handleSetId: string, meshId: string, handles: readonly Handle[], call: CallOptions = {},
+    handleSetId: string,
+    meshId: string,
+    handles: readonly Handle[],
+    call: CallOptions = {},
   ): Promise<Compilation> {
     const request = { sessionId: this.id, handleSetId, meshId, handles: handlesToWire(handles) };
-    const answer = await ask(this.#channel, deformation.CompileHandles, request, work, call, this.id);
+    const answer = await ask(
+      this.#channel,
+      deformation.CompileHandles,
+      request,
+      work,
+      call,
+      this.id,
+    );
     const asked = { id: handleSetId, meshId, last: handles, all: true };
     return this.#know(compilationOf(answer, asked, this.#sizes.ofMesh));
   }
 
   /** Removes first, then adds. Nothing changes when it fails. */
   async editHandles(
-    handleSetId: string, remove: readonly string[], add: readonly Handle[], call: CallOptions = {},
+    handleSetId: string,
+    remove: readonly string[],
+    add: readonly Handle[],
+    call: CallOptions = {},
   ): Promise<Compilation> {
-    const request = { sessionId: this.id, handleSetId, remove: [...remove], add: handlesToWire(add, "add") };
-    const answer = await ask(this.#channel, deformation.EditHandles, request, change, call, this.id);
+    const request = {
+      sessionId: this.id,
+      handleSetId,
+      remove: [...remove],
+      add: handlesToWire(add, "add"),
+    };
+    const answer = await ask(
+      this.#channel,
+      deformation.EditHandles,
+      request,
+      change,
+      call,
+      this.id,
+    );
     return this.#know(compilationOf(answer, { id: handleSetId, last: add }, this.#sizes.ofMesh));
   }
 
   async getHandleSet(handleSetId: string, call: CallOptions = {}): Promise<HandleSetInfo> {
     const request = { sessionId: this.id, handleSetId };
-    const answer = await ask(this.#channel, deformation.GetHandleSet, request, lookUp, call, this.id);
+    const answer = await ask(
+      this.#channel,
+      deformation.GetHandleSet,
+      request,
+      lookUp,
+      call,
+      this.id,
+    );
     const info = handleSetOf(answer.handleSet, { id: handleSetId }, this.#sizes.ofMesh);
     this.#sizes.knowSet(info.id, info.meshId);
     return info;
@@ -155,12 +211,14 @@ export class Session {
   }
 
   /**
-   * One target for every handle of the set, in any order. `pickPoints` are deformed points x y x y…, at most 1024, to map
-   * back to rest.
+   * One target for every handle of the set, in any order. `pickPoints` are deformed points x y x
+   * y…, at most 1024, to map back to rest.
    */
   async deform(
-    handleSetId: string, targets: readonly HandleTarget[],
-    options: ShapeOptions & { pickPoints?: Numbers } = {}, call: CallOptions = {},
+    handleSetId: string,
+    targets: readonly HandleTarget[],
+    options: ShapeOptions & { pickPoints?: Numbers } = {},
+    call: CallOptions = {},
   ): Promise<Shape> {
     const { pickPoints = [] } = options;
     const request = {
@@ -177,12 +235,16 @@ export class Session {
   }
 
   /**
-   * A whole track, frames in order: `for await (const shape of session.deformTrack(…))`. `handleIds` names every handle of
-   * the set once, and every frame has a target for each. Leaving the loop cancels the rest. A frame that takes longer than
-   * 10 minutes is DEADLINE_EXCEEDED; a server that ends early is INTERNAL.
+   * A whole track, frames in order: `for await (const shape of session.deformTrack(…))`.
+   * `handleIds` names every handle of the set once, and every frame has a target for each. Leaving
+   * the loop cancels the rest. A frame that takes longer than 10 minutes is DEADLINE_EXCEEDED; a
+   * server that ends early is INTERNAL.
    */
   deformTrack(
-    handleSetId: string, handleIds: readonly string[], frames: readonly TrackFrame[], options: ShapeOptions = {},
+    handleSetId: string,
+    handleIds: readonly string[],
+    frames: readonly TrackFrame[],
+    options: ShapeOptions = {},
     call: CallOptions = {},
   ): AsyncGenerator<Shape> {
     const track = { sessionId: this.id, handleSetId, handleIds, frames, options };
@@ -190,25 +252,38 @@ export class Session {
   }
 
   /**
-   * Begins a flattening that goes on by itself, also when the server is started anew. Submitting it again with the same
-   * arguments is harmless. ALREADY_EXISTS when the name has another request.
+   * Begins a flattening that goes on by itself, also when the server is started anew. Submitting it
+   * again with the same arguments is harmless. ALREADY_EXISTS when the name has another request.
    */
   async submitFlatten(
-    jobId: string, mesh: SurfaceMesh, options: FlattenOptions = {}, call: CallOptions = {},
+    jobId: string,
+    mesh: SurfaceMesh,
+    options: FlattenOptions = {},
+    call: CallOptions = {},
   ): Promise<FlattenJob> {
     const request = { sessionId: this.id, jobId, flatten: flattenToWire(mesh, options) };
     const answer = await ask(this.#channel, flattening.SubmitFlatten, request, work, call, this.id);
     return jobOf(answer.job, jobId);
   }
 
-  /** Waits until the job has ended; `onChange` hears of it when something has changed and every second or so. */
-  watchJob(jobId: string, onChange?: (job: FlattenJob) => void, call: CallOptions = {}): Promise<FlattenJob> {
+  /**
+   * Waits until the job has ended; `onChange` hears of it when something has changed and every
+   * second or so.
+   */
+  watchJob(
+    jobId: string,
+    onChange?: (job: FlattenJob) => void,
+    call: CallOptions = {},
+  ): Promise<FlattenJob> {
     return watch(this.#channel, this.id, jobId, call, onChange);
   }
 
   /** The result of a job that is done, of any size; `mesh` and `options` are what was submitted. */
   async getResult(
-    jobId: string, mesh: SurfaceMesh, options: FlattenOptions = {}, call: CallOptions = {},
+    jobId: string,
+    mesh: SurfaceMesh,
+    options: FlattenOptions = {},
+    call: CallOptions = {},
   ): Promise<FlatSurface> {
     const bytes = await download(this.#channel, this.id, jobId, call);
     let answer;
@@ -225,12 +300,20 @@ export class Session {
     const request = { sessionId: this.id, jobId };
     const answer = await ask(this.#channel, flattening.CancelJob, request, lookUp, call, this.id);
     const job = jobOf(answer.job, jobId);
-    if (!hasEnded(job)) throw badAnswer("The server answered that a job goes on which was cancelled.");
+    if (!hasEnded(job))
+      throw badAnswer("The server answered that a job goes on which was cancelled.");
     return job;
   }
 
-  /** Opens a live stream and waits until the server has opened it. `call.timeout` is that of the whole stream. */
-  openStream(handleSetId: string, options: StreamOptions = {}, call: CallOptions = {}): Promise<DeformStream> {
+  /**
+   * Opens a live stream and waits until the server has opened it. `call.timeout` is that of the
+   * whole stream.
+   */
+  openStream(
+    handleSetId: string,
+    options: StreamOptions = {},
+    call: CallOptions = {},
+  ): Promise<DeformStream> {
     return DeformStream.open(this.#channel, this.#sizes, this.id, handleSetId, options, call);
   }
 

@@ -1,6 +1,15 @@
 // Deformed meshes: what to ask for and what comes back.
-import { checkCount, checkId, checkIndices, checkNumbers, index, numberRun, present, runOf,
-  toEnum } from "./checks.js";
+import {
+  checkCount,
+  checkId,
+  checkIndices,
+  checkNumbers,
+  index,
+  numberRun,
+  present,
+  runOf,
+  toEnum,
+} from "./checks.js";
 import type { MeshSize, Names } from "./checks.js";
 import { badAnswer, badOption } from "./errors.js";
 import { DeformMode } from "./gen/arap/v1/DeformMode.js";
@@ -72,7 +81,8 @@ export const shapeOptionsToWire = (options: ShapeOptions): WireOptions => ({
 });
 
 export function picksToWire(points: Numbers, field: string): Uint8Array {
-  if (points.length % 2 !== 0) throw badOption(field, `${field} has ${points.length} numbers, an odd count.`);
+  if (points.length % 2 !== 0)
+    throw badOption(field, `${field} has ${points.length} numbers, an odd count.`);
   return numberRun(points, field);
 }
 
@@ -113,7 +123,10 @@ function flippedOf(shape: ShapeAnswer, asked: ShapeQuestion): Uint32Array {
 export function shapeOf(answer: ShapeAnswer | null | undefined, asked: ShapeQuestion): Shape {
   const shape = present(answer, "the shape");
   const positions = positionsOf(shape, asked.options, asked.mesh, asked.vertices);
-  checkNumbers([shape.worstHandleError, shape.energy, shape.meanStretch, shape.maxStretch], "the quality of a shape");
+  checkNumbers(
+    [shape.worstHandleError, shape.energy, shape.meanStretch, shape.maxStretch],
+    "the quality of a shape",
+  );
   if (shape.worstHandleId !== "") checkId(shape.worstHandleId, "", "handle");
   checkCount(shape.picks.length, asked.picks ?? Math.min(shape.picks.length, maxPicks), "picks");
   return Object.assign(positions, {

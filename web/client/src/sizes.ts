@@ -1,5 +1,5 @@
-// The sizes of the meshes that a session has registered or got, and which handle set is on which: every shape must have
-// as many vertices as its mesh.
+// The sizes of the meshes that a session has registered or got, and which handle set is on which:
+// every shape must have as many vertices as its mesh.
 import type { MeshSize } from "./checks.js";
 
 export class KnownSizes {

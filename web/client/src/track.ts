@@ -31,7 +31,10 @@ export interface Track {
 }
 
 export async function* deformTrack(
-  channel: Channel, track: Track, mesh: MeshSize | undefined, options: CallOptions,
+  channel: Channel,
+  track: Track,
+  mesh: MeshSize | undefined,
+  options: CallOptions,
 ): AsyncGenerator<Shape> {
   const request = {
     sessionId: track.sessionId,
@@ -61,14 +64,25 @@ export async function* deformTrack(
     deadline: deadlineOf(options, Infinity),
     onCancel: (how: () => void) => (cancel = how),
   };
-  const late = (): string => `Frame ${next} of the track did not come within ${workLimit / 1000} s.`;
+  const late = (): string =>
+    `Frame ${next} of the track did not come within ${workLimit / 1000} s.`;
   try {
-    for await (const answer of pieces(channel, deformation.DeformTrack, request, call, workLimit, late)) {
-      if (next >= count) throw badAnswer(`The server answered more frames than the ${count} of the track.`);
+    for await (const answer of pieces(
+      channel,
+      deformation.DeformTrack,
+      request,
+      call,
+      workLimit,
+      late,
+    )) {
+      if (next >= count)
+        throw badAnswer(`The server answered more frames than the ${count} of the track.`);
       if (next === 0) vertices = verticesOf(answer.vertices, track.options, mesh);
       const frame = shapeOf(answer.shape, { options: track.options, mesh, vertices, picks: 0 });
       if (frame.sequence !== next) {
-        throw badAnswer(`The server answered frame ${frame.sequence} of the track where ${next} was due.`);
+        throw badAnswer(
+          `The server answered frame ${frame.sequence} of the track where ${next} was due.`,
+        );
       }
       next++;
       yield frame;
@@ -79,5 +93,6 @@ export async function* deformTrack(
   } finally {
     unhook();
   }
-  if (next !== count) throw badAnswer(`The server ended the track after ${next} of ${count} frames.`);
+  if (next !== count)
+    throw badAnswer(`The server ended the track after ${next} of ${count} frames.`);
 }

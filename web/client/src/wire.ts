@@ -1,5 +1,5 @@
-// The interface of the server as the package sees it (scripts/protos.mjs): its methods, and the messages that come as
-// bytes inside of others.
+// The interface of the server as the package sees it (scripts/protos.mjs): its methods, and the
+// messages that come as bytes inside of others.
 import { fileURLToPath } from "node:url";
 
 import { loadSync } from "@grpc/proto-loader";
@@ -59,6 +59,7 @@ export const readFlattenResponse = reader<FlattenResponseAnswer>("arap.v1.Flatte
 export const milliseconds = (time: DurationAnswer | null | undefined): number =>
   time ? time.seconds * 1e3 + time.nanos / 1e6 : 0;
 /** Microseconds of a duration; 0 for none. */
-export const microseconds = (time: DurationAnswer | null | undefined): number => milliseconds(time) * 1e3;
+export const microseconds = (time: DurationAnswer | null | undefined): number =>
+  milliseconds(time) * 1e3;
 export const dateOf = (time: TimestampAnswer | null | undefined): Date =>
   new Date(time ? time.seconds * 1e3 + Math.floor(time.nanos / 1e6) : Number.NaN);

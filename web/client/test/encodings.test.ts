@@ -16,11 +16,20 @@ const side = 9;
 async function puppet(client: Client): Promise<Session> {
   const session = await client.createSession();
   const mesh = grid(side, side);
-  await session.registerMesh({ ...mesh, vertices: mesh.vertices.map((coordinate) => coordinate + far) }, { id: "m" });
-  await session.compileHandles("h", "m", [{ id: "l", vertex: 0 }, { id: "r", vertex: side - 1 }]);
+  await session.registerMesh(
+    { ...mesh, vertices: mesh.vertices.map((coordinate) => coordinate + far) },
+    { id: "m" },
+  );
+  await session.compileHandles("h", "m", [
+    { id: "l", vertex: 0 },
+    { id: "r", vertex: side - 1 },
+  ]);
   return session;
 }
-const targets = [{ id: "l", x: far, y: far }, { id: "r", x: far + 8.25, y: far + 2.5 }];
+const targets = [
+  { id: "l", x: far, y: far },
+  { id: "r", x: far + 8.25, y: far + 2.5 },
+];
 
 // How far positions may be from the exact ones.
 const encodings: [string, PositionOptions, number][] = [
@@ -33,20 +42,24 @@ const encodings: [string, PositionOptions, number][] = [
 
 function farthest(shape: Shape, exact: ArrayLike<number>): number {
   assert.equal(shape.positions.length, exact.length);
-  return Math.max(...Array.from(shape.positions, (coordinate, i) => Math.abs(coordinate - exact[i]!)));
+  return Math.max(
+    ...Array.from(shape.positions, (coordinate, i) => Math.abs(coordinate - exact[i]!)),
+  );
 }
 
 const needs = "result.origin";
 
 test("far from 0 positions are where they are in every encoding", { timeout }, (t) =>
   serve(async (client) => {
-    if (!(await client.getServerInfo()).capabilities.includes(needs)) return t.skip(`this arapd has no ${needs}`);
+    if (!(await client.getServerInfo()).capabilities.includes(needs))
+      return t.skip(`this arapd has no ${needs}`);
     const session = await puppet(client);
     const exact = await session.deform("h", targets, { float64: true });
     for (const [name, options, error] of encodings) {
       const shapes = [await session.deform("h", targets, options)];
       const frame = { positions: targets.flatMap(({ x, y }) => [x, y]) };
-      for await (const shape of session.deformTrack("h", ["l", "r"], [frame, frame], options)) shapes.push(shape);
+      for await (const shape of session.deformTrack("h", ["l", "r"], [frame, frame], options))
+        shapes.push(shape);
       const stream = await session.openStream("h", options);
       stream.send({ targets });
       shapes.push(await nextShape(stream));
@@ -62,11 +75,13 @@ test("far from 0 positions are where they are in every encoding", { timeout }, (
 
 test("some vertices, in the order that was asked for, or those of the boundary", { timeout }, (t) =>
   serve(async (client) => {
-    if (!(await client.getServerInfo()).capabilities.includes(needs)) return t.skip(`this arapd has no ${needs}`);
+    if (!(await client.getServerInfo()).capabilities.includes(needs))
+      return t.skip(`this arapd has no ${needs}`);
     const session = await puppet(client);
     const { positions } = await session.deform("h", targets, { float64: true });
-    const boundary = Array.from({ length: side * side }, (_, vertex) => vertex)
-      .filter((v) => [0, side - 1].includes(v % side) || [0, side - 1].includes(Math.floor(v / side)));
+    const boundary = Array.from({ length: side * side }, (_, vertex) => vertex).filter(
+      (v) => [0, side - 1].includes(v % side) || [0, side - 1].includes(Math.floor(v / side)),
+    );
     const parts: [PositionOptions, number[]][] = [
       [{ vertexSubset: [70, 3, 40] }, [70, 3, 40]],
       [{ boundaryOnly: true }, boundary],
@@ -79,7 +94,10 @@ test("some vertices, in the order that was asked for, or those of the boundary",
       stream.cancel();
       const frame = { positions: targets.flatMap(({ x, y }) => [x, y]) };
       const tracked: Shape[] = [];
-      const track = session.deformTrack("h", ["l", "r"], [frame, frame], { ...options, float64: true });
+      const track = session.deformTrack("h", ["l", "r"], [frame, frame], {
+        ...options,
+        float64: true,
+      });
       for await (const shape of track) tracked.push(shape);
       const whole = await session.deform("h", targets, { ...options, float64: true });
       for (const shape of [streamed, ...tracked, whole]) {
@@ -88,6 +106,9 @@ test("some vertices, in the order that was asked for, or those of the boundary",
       }
     }
     await failure(session.deform("h", targets, { vertexSubset: [81] }), "INDEX_OUT_OF_RANGE");
-    await failure(session.deform("h", targets, { encoding: "int16_le", float64: true }), "INVALID_OPTION");
+    await failure(
+      session.deform("h", targets, { encoding: "int16_le", float64: true }),
+      "INVALID_OPTION",
+    );
   }),
 );

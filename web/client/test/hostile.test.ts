@@ -15,7 +15,10 @@ const timeout = 60_000;
 async function stream(client: Client, options: StreamOptions = {}): Promise<DeformStream> {
   const session = await client.createSession();
   await session.registerMesh(square, { id: "m" });
-  await session.compileHandles("h", "m", [{ id: "a", vertex: 0 }, { id: "b", vertex: 2 }]);
+  await session.compileHandles("h", "m", [
+    { id: "a", vertex: 0 },
+    { id: "b", vertex: 2 },
+  ]);
   return session.openStream("h", options);
 }
 
@@ -34,7 +37,11 @@ const wrong: [string, RegExp, object][] = [
   ["another count", /3 vertices; the mesh has 4/, shape(1, { positions: [0, 0, 1, 0, 1, 1] })],
   ["half a vertex", /half a position/, shape(1, { positions: [0, 0, 1] })],
   ["no position", /empty shape/, shape(1, { positions: [] })],
-  ["not a number", /position of vertex 2 that is not finite/, shape(1, { positions: [0, 0, 1, 0, 1, NaN, 0, 1] })],
+  [
+    "not a number",
+    /position of vertex 2 that is not finite/,
+    shape(1, { positions: [0, 0, 1, 0, 1, NaN, 0, 1] }),
+  ],
   ["another precision", /another precision/, shape(1, { positions64: [0, 0, 1, 0, 1, 1, 0, 1] })],
   ["another sequence", /sequence 2, for which it was not asked/, shape(2)],
   ["flipped ids", /1 flipped triangles, not 0/, shape(1, { flippedIds: [0] })],
@@ -63,7 +70,12 @@ test("a stream that ends before it has answered is broken", { timeout }, () =>
 
 test("a server that answers pings alone is not waited for without end", { timeout }, () =>
   pretend({ StreamDeform: live(() => {}) }, async (client) => {
-    const one = await stream(client, { heartbeat: 20, silence: 10_000, answer: 200, resumeWithin: 60_000 });
+    const one = await stream(client, {
+      heartbeat: 20,
+      silence: 10_000,
+      answer: 200,
+      resumeWithin: 60_000,
+    });
     one.send({ targets: [{ id: "a", x: 1, y: 1 }] });
     const error = await failure(one.read(), "DEADLINE_EXCEEDED");
     assert.match(error.message, /has not answered an update or edit for 0.2 s/);
@@ -98,7 +110,8 @@ test("a bad update is never merged into a good one", { timeout }, async () => {
   };
   await pretend({ StreamDeform: live(answer) }, async (client) => {
     const one = await stream(client);
-    for (let i = 1; i <= 50; i++) one.send({ targets: [{ id: i === 20 ? "nobody" : "a", x: i, y: 0 }] });
+    for (let i = 1; i <= 50; i++)
+      one.send({ targets: [{ id: i === 20 ? "nobody" : "a", x: i, y: 0 }] });
     await nextShape(one);
     assert.ok(heard.length < 20);
     assert.equal(heard.filter((ids) => ids === "nobody").length, 1);
@@ -125,7 +138,8 @@ for (const loss of losses) {
     const handler = (call: Stream): void => {
       opening++;
       // No room at first: asked again.
-      if (opening === 2) call.emit("error", fault(status.RESOURCE_EXHAUSTED, "full", "LIMIT_EXCEEDED", 1000));
+      if (opening === 2)
+        call.emit("error", fault(status.RESOURCE_EXHAUSTED, "full", "LIMIT_EXCEEDED", 1000));
       else usual(call);
     };
     await pretend({ StreamDeform: handler }, async (client) => {
@@ -140,75 +154,106 @@ for (const loss of losses) {
 }
 
 test("a stream that is refused for good is not opened again", { timeout }, () =>
-  pretend({ StreamDeform: live((_, call) => call.emit("error", fault(9, "order", "PROTOCOL"))) }, async (client) => {
-    const one = await stream(client, { resumeWithin: 60_000 });
-    one.send({ targets: [{ id: "a", x: 1, y: 1 }] });
-    assert.equal((await failure(one.read(), "PROTOCOL")).code, "FAILED_PRECONDITION");
-  }),
+  pretend(
+    { StreamDeform: live((_, call) => call.emit("error", fault(9, "order", "PROTOCOL"))) },
+    async (client) => {
+      const one = await stream(client, { resumeWithin: 60_000 });
+      one.send({ targets: [{ id: "a", x: 1, y: 1 }] });
+      assert.equal((await failure(one.read(), "PROTOCOL")).code, "FAILED_PRECONDITION");
+    },
+  ),
 );
 
-test("calls say who they are, and are made again where that does no harm", { timeout }, async () => {
-  const seen: Message[] = [];
-  const failing = (times: number, loss: () => object, answer: object): Unary => {
-    let count = 0;
-    return (call, say) => {
-      seen.push({ ...call.metadata.getMap(), deadline: call.getDeadline() });
-      if (count++ < times) say(loss() as never, null);
-      else say(null, answer);
-    };
-  };
-  const set = opened("a").opened;
-  const handlers = {
-    GetSession: failing(2, gone, { session: { sessionId: "mine" } }),
-    EditHandles: failing(1, gone, set),
-    DeleteMesh: failing(1, gone, {}),
-    GetHandleSet: failing(1, () => fault(status.RESOURCE_EXHAUSTED, "busy", "OVERLOADED", 20), set),
-    DeleteHandleSet: ((): Unary => {
+test(
+  "calls say who they are, and are made again where that does no harm",
+  { timeout },
+  async () => {
+    const seen: Message[] = [];
+    const failing = (times: number, loss: () => object, answer: object): Unary => {
       let count = 0;
-      return (_, say) => say((count++ === 0 ? gone() : fault(5, "none", "NOT_FOUND")) as never, null);
-    })(),
-  };
-  await pretend(handlers, async (client) => {
-    const session = client.attachSession("mine");
-    await session.get({ traceparent: "00-0123456789abcdef0123456789abcdef-0123456789abcdef-01" });
-    assert.equal(seen.length, 3);
-    for (const headers of seen) {
-      assert.equal(headers["x-session-id"], "mine");
-      assert.equal(headers["x-request-id"], seen[0]["x-request-id"]);
-      assert.equal(headers["traceparent"], "00-0123456789abcdef0123456789abcdef-0123456789abcdef-01");
-      assert.ok(headers.deadline - Date.now() < 30_000 && headers.deadline - Date.now() > -timeout);
-    }
-    // Whether it was done is not known, so it is not done again.
-    await failure(session.editHandles("h", [], []), "DRAINING");
-    assert.equal(seen.length, 4);
-    await session.deleteMesh("m");
-    await session.deleteHandleSet("h"); // nothing left to delete after a lost answer
-    assert.equal((await session.getHandleSet("h")).handles.length, 1);
-    await failure(session.get({ retryWithin: 0, timeout: 5000 }).then(() => session.deleteHandleSet("h")), "NOT_FOUND");
-  });
-});
+      return (call, say) => {
+        seen.push({ ...call.metadata.getMap(), deadline: call.getDeadline() });
+        if (count++ < times) say(loss() as never, null);
+        else say(null, answer);
+      };
+    };
+    const set = opened("a").opened;
+    const handlers = {
+      GetSession: failing(2, gone, { session: { sessionId: "mine" } }),
+      EditHandles: failing(1, gone, set),
+      DeleteMesh: failing(1, gone, {}),
+      GetHandleSet: failing(
+        1,
+        () => fault(status.RESOURCE_EXHAUSTED, "busy", "OVERLOADED", 20),
+        set,
+      ),
+      DeleteHandleSet: ((): Unary => {
+        let count = 0;
+        return (_, say) =>
+          say((count++ === 0 ? gone() : fault(5, "none", "NOT_FOUND")) as never, null);
+      })(),
+    };
+    await pretend(handlers, async (client) => {
+      const session = client.attachSession("mine");
+      await session.get({ traceparent: "00-0123456789abcdef0123456789abcdef-0123456789abcdef-01" });
+      assert.equal(seen.length, 3);
+      for (const headers of seen) {
+        assert.equal(headers["x-session-id"], "mine");
+        assert.equal(headers["x-request-id"], seen[0]["x-request-id"]);
+        assert.equal(
+          headers["traceparent"],
+          "00-0123456789abcdef0123456789abcdef-0123456789abcdef-01",
+        );
+        assert.ok(
+          headers.deadline - Date.now() < 30_000 && headers.deadline - Date.now() > -timeout,
+        );
+      }
+      // Whether it was done is not known, so it is not done again.
+      await failure(session.editHandles("h", [], []), "DRAINING");
+      assert.equal(seen.length, 4);
+      await session.deleteMesh("m");
+      await session.deleteHandleSet("h"); // nothing left to delete after a lost answer
+      assert.equal((await session.getHandleSet("h")).handles.length, 1);
+      await failure(
+        session.get({ retryWithin: 0, timeout: 5000 }).then(() => session.deleteHandleSet("h")),
+        "NOT_FOUND",
+      );
+    });
+  },
+);
 
 test("a download goes on where it was lost", { timeout }, async () => {
   const distortion = { symmetricDirichlet: 4, areaRatio: 1, scale: 1 };
   const whole = flattenResponse({
-    uv: [0, 0, 1, 0, 0, 1], uvVertex: [0, 1, 2], cornerUv: [0, 1, 2], distortion, triangleChart: [0],
+    uv: [0, 0, 1, 0, 0, 1],
+    uvVertex: [0, 1, 2],
+    cornerUv: [0, 1, 2],
+    distortion,
+    triangleChart: [0],
     charts: [{ loops: [{ uvIndices: [0, 1, 2] }], triangleCount: 1, distortion }],
   });
   const offsets: number[] = [];
   const DownloadResult: Pieces = (call) => {
     const { offset } = call.request as { offset: number };
     offsets.push(offset);
-    call.write({ data: whole.subarray(offset, offset + 30), offset, totalBytes: whole.length }, () => {
-      if (offset + 30 >= whole.length) call.end();
-      // Once what was written has surely gone out.
-      else setTimeout(() => call.emit("error", gone()), 100);
-    });
+    call.write(
+      { data: whole.subarray(offset, offset + 30), offset, totalBytes: whole.length },
+      () => {
+        if (offset + 30 >= whole.length) call.end();
+        // Once what was written has surely gone out.
+        else setTimeout(() => call.emit("error", gone()), 100);
+      },
+    );
   };
   const mesh = { vertices: [0, 0, 0, 1, 0, 0, 0, 1, 0], triangles: [0, 1, 2] };
   await pretend({ DownloadResult }, async (client) => {
-    const flat = await client.attachSession("s").getResult("job", mesh, {}, { retryWithin: 60_000 });
+    const flat = await client
+      .attachSession("s")
+      .getResult("job", mesh, {}, { retryWithin: 60_000 });
     assert.deepEqual(Array.from(flat.uv), [0, 0, 1, 0, 0, 1]);
-    assert.ok(offsets.length >= 2 && offsets.every((offset, i) => i === 0 || offset >= offsets[i - 1]!));
+    assert.ok(
+      offsets.length >= 2 && offsets.every((offset, i) => i === 0 || offset >= offsets[i - 1]!),
+    );
   });
 });
 
@@ -220,7 +265,10 @@ test("a stream reads on demand: what nobody waits for stays on its way", { timeo
   const all = new Promise<void>((resolve) => (hasHeardAll = resolve));
   const answer = ({ update }: Message, call: Stream): void => {
     // 80 kB each, of which the window of HTTP/2 holds less than one.
-    call.write(shape(update.sequence, { positions: new Array<number>(20_000).fill(1) }), () => written++);
+    call.write(
+      shape(update.sequence, { positions: new Array<number>(20_000).fill(1) }),
+      () => written++,
+    );
     if (++heard === count) hasHeardAll();
   };
   await pretend({ StreamDeform: live(answer) }, async (client) => {

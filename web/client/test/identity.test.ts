@@ -45,7 +45,9 @@ test("a token says whose sessions there are, and a gateway for whom it asks", { 
     assert.ok((await stranger.getServerInfo()).version);
     const refused = await failure(stranger.createSession(), "UNAUTHENTICATED");
     assert.equal(refused.code, "UNAUTHENTICATED");
-    const wrong = Client.connect(address, { token: `${alice.slice(0, -1)}${alice.endsWith("0") ? "1" : "0"}` });
+    const wrong = Client.connect(address, {
+      token: `${alice.slice(0, -1)}${alice.endsWith("0") ? "1" : "0"}`,
+    });
     await failure(wrong.createSession(), "UNAUTHENTICATED");
 
     const clients = [
@@ -69,7 +71,10 @@ test("what does not go together is said when connecting", async () => {
   await bad(() => Client.connect("localhost:1", { user: "no name" }), "user");
   await bad(() => Client.connect("localhost:1", { certificate: "x.pem" }), "key");
   await bad(() => Client.connect("localhost:1", { key: "x.pem" }), "certificate");
-  await bad(() => Client.connect("localhost:1", { rootCertificates: path("none.pem") }), "rootCertificates");
+  await bad(
+    () => Client.connect("localhost:1", { rootCertificates: path("none.pem") }),
+    "rootCertificates",
+  );
   for (const local of ["localhost:1", "127.1.2.3:1", "[::1]:1", "unix:/x", "dns:///localhost:1"]) {
     Client.connect(local, { token: alice }).close();
   }
@@ -81,42 +86,84 @@ const hasOpenssl = spawnSync("openssl", ["version"]).status === 0;
 
 /** A certificate for `name`, signed by the authority of this test. */
 function certify(name: string, extension: string): void {
-  const openssl = (...words: string[]): void => void execFileSync("openssl", words, { cwd: folder, stdio: "pipe" });
+  const openssl = (...words: string[]): void =>
+    void execFileSync("openssl", words, { cwd: folder, stdio: "pipe" });
   const key = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes"];
   if (name === "ca") {
-    openssl("req", "-x509", ...key, "-keyout", "ca.key", "-out", "ca.crt", "-subj", "/CN=test authority", "-days", "2");
+    openssl(
+      "req",
+      "-x509",
+      ...key,
+      "-keyout",
+      "ca.key",
+      "-out",
+      "ca.crt",
+      "-subj",
+      "/CN=test authority",
+      "-days",
+      "2",
+    );
     return;
   }
   openssl("req", ...key, "-keyout", `${name}.key`, "-out", `${name}.csr`, "-subj", `/CN=${name}`);
   writeFileSync(path(`${name}.ext`), extension);
-  openssl("x509", "-req", "-in", `${name}.csr`, "-CA", "ca.crt", "-CAkey", "ca.key", "-CAcreateserial", "-days", "2",
-    "-extfile", `${name}.ext`, "-out", `${name}.crt`);
+  openssl(
+    "x509",
+    "-req",
+    "-in",
+    `${name}.csr`,
+    "-CA",
+    "ca.crt",
+    "-CAkey",
+    "ca.key",
+    "-CAcreateserial",
+    "-days",
+    "2",
+    "-extfile",
+    `${name}.ext`,
+    "-out",
+    `${name}.crt`,
+  );
 }
 
-test("TLS, with certificates on both sides", { timeout, skip: hasOpenssl ? false : "there is no openssl" }, async () => {
-  certify("ca", "");
-  certify("arapd.test", "subjectAltName=DNS:arapd.test");
-  certify("carol", "subjectAltName=DNS:carol\nextendedKeyUsage=clientAuth");
-  const flags = [
-    "--tls-cert", path("arapd.test.crt"), "--tls-key", path("arapd.test.key"), "--tls-client-ca", path("ca.crt"),
-    "--token-file", path("tokens.json"),
-  ];
-  await withServer(flags, async (address) => {
-    const known = { rootCertificates: path("ca.crt"), serverName: "arapd.test" };
-    const byToken = Client.connect(address, { ...known, token: alice });
-    await byToken.createSession({ id: "mine" });
-    const text = readFileSync(path("ca.crt"), "utf8");
-    const byCertificate = Client.connect(address, {
-      ...known, rootCertificates: text, certificate: path("carol.crt"), key: path("carol.key"),
-    });
-    await byCertificate.createSession({ id: "mine" });
-    assert.equal((await byCertificate.listSessions()).sessions.length, 1);
-    const strangers = [
-      Client.connect(address), // in plaintext
-      Client.connect(address, { tls: true, serverName: "arapd.test" }), // with the authorities of the system
-      Client.connect(address, { rootCertificates: path("ca.crt"), serverName: "other.test" }),
+test(
+  "TLS, with certificates on both sides",
+  { timeout, skip: hasOpenssl ? false : "there is no openssl" },
+  async () => {
+    certify("ca", "");
+    certify("arapd.test", "subjectAltName=DNS:arapd.test");
+    certify("carol", "subjectAltName=DNS:carol\nextendedKeyUsage=clientAuth");
+    const flags = [
+      "--tls-cert",
+      path("arapd.test.crt"),
+      "--tls-key",
+      path("arapd.test.key"),
+      "--tls-client-ca",
+      path("ca.crt"),
+      "--token-file",
+      path("tokens.json"),
     ];
-    for (const stranger of strangers) await failure(stranger.getServerInfo({ retryWithin: 0 }), "DRAINING");
-    for (const client of [byToken, byCertificate, ...strangers]) client.close();
-  });
-});
+    await withServer(flags, async (address) => {
+      const known = { rootCertificates: path("ca.crt"), serverName: "arapd.test" };
+      const byToken = Client.connect(address, { ...known, token: alice });
+      await byToken.createSession({ id: "mine" });
+      const text = readFileSync(path("ca.crt"), "utf8");
+      const byCertificate = Client.connect(address, {
+        ...known,
+        rootCertificates: text,
+        certificate: path("carol.crt"),
+        key: path("carol.key"),
+      });
+      await byCertificate.createSession({ id: "mine" });
+      assert.equal((await byCertificate.listSessions()).sessions.length, 1);
+      const strangers = [
+        Client.connect(address), // in plaintext
+        Client.connect(address, { tls: true, serverName: "arapd.test" }), // with the authorities of the system
+        Client.connect(address, { rootCertificates: path("ca.crt"), serverName: "other.test" }),
+      ];
+      for (const stranger of strangers)
+        await failure(stranger.getServerInfo({ retryWithin: 0 }), "DRAINING");
+      for (const client of [byToken, byCertificate, ...strangers]) client.close();
+    });
+  },
+);

@@ -36,7 +36,11 @@ test("the server tells what it is", { timeout }, () =>
 
 test("sessions are made, listed, looked at and ended", { timeout }, () =>
   serve(async (client) => {
-    const session = await client.createSession({ id: "mine", ttl: 90_500, labels: { app: "test" } });
+    const session = await client.createSession({
+      id: "mine",
+      ttl: 90_500,
+      labels: { app: "test" },
+    });
     await session.registerMesh(grid(3, 3), { id: "m" });
     const info = await session.get();
     assert.equal(info.ttl, 90_500);
@@ -62,10 +66,16 @@ test("a mesh is registered once, and handles compiled and edited", { timeout }, 
     assert.equal(again.mesh.vertexCount, 81);
     assert.equal((await session.getMesh("m")).contentHash, again.mesh.contentHash);
     const set = await session.getHandleSet("h");
-    assert.deepEqual(set.handles.map((handle) => handle.id), ["l", "r", "top"]);
+    assert.deepEqual(
+      set.handles.map((handle) => handle.id),
+      ["l", "r", "top"],
+    );
     assert.deepEqual(set.handles[2]?.rest, [4.5, 8]);
     const edited = await session.editHandles("h", ["top"], [{ id: "mid", vertex: 40, depth: 2 }]);
-    assert.deepEqual(edited.handleSet.handles.map((handle) => handle.id), ["l", "r", "mid"]);
+    assert.deepEqual(
+      edited.handleSet.handles.map((handle) => handle.id),
+      ["l", "r", "mid"],
+    );
     assert.equal(edited.handleSet.depth.length, 81);
     assert.equal(edited.handleSet.drawOrder.length, 128);
     await session.deleteHandleSet("h");
@@ -75,32 +85,42 @@ test("a mesh is registered once, and handles compiled and edited", { timeout }, 
   }),
 );
 
-test("a rigid motion comes back rigid, in either precision, and points are picked", { timeout }, () =>
-  serve(async (client) => {
-    const session = await puppet(client);
-    const mesh = grid(9, 9);
-    const turn = (x: number, y: number): { x: number; y: number } => ({ x: 3 - y, y: 5 + x });
-    const targets = [
-      { id: "l", ...turn(0, 0) }, { id: "r", ...turn(8, 0) }, { id: "top", ...turn(4.5, 8) },
-    ];
-    const expected = Array.from(mesh.vertices);
-    for (let i = 0; i < expected.length; i += 2) {
-      const { x, y } = turn(mesh.vertices[i]!, mesh.vertices[i + 1]!);
-      expected[i] = x;
-      expected[i + 1] = y;
-    }
-    const { x, y } = turn(2.25, 3.5);
-    const shape = await session.deform("h", targets, { pickPoints: [x, y, 100, 100] });
-    assert.ok(shape.positions instanceof Float32Array);
-    assert.ok(farthest(shape.positions, expected) < 1e-5);
-    assert.equal(shape.flippedCount, 0);
-    assert.ok(Math.hypot(shape.picks[0]!.rest[0] - 2.25, shape.picks[0]!.rest[1] - 3.5) < 1e-5);
-    assert.equal(shape.picks[1], null);
-    const exact = await session.deform("h", targets, { float64: true, mode: "rigid", refine: 2, flippedIds: true });
-    assert.ok(exact.positions instanceof Float64Array);
-    assert.ok(farthest(exact.positions, expected) < 1e-9);
-    assert.equal(exact.flippedIds.length, 0);
-  }),
+test(
+  "a rigid motion comes back rigid, in either precision, and points are picked",
+  { timeout },
+  () =>
+    serve(async (client) => {
+      const session = await puppet(client);
+      const mesh = grid(9, 9);
+      const turn = (x: number, y: number): { x: number; y: number } => ({ x: 3 - y, y: 5 + x });
+      const targets = [
+        { id: "l", ...turn(0, 0) },
+        { id: "r", ...turn(8, 0) },
+        { id: "top", ...turn(4.5, 8) },
+      ];
+      const expected = Array.from(mesh.vertices);
+      for (let i = 0; i < expected.length; i += 2) {
+        const { x, y } = turn(mesh.vertices[i]!, mesh.vertices[i + 1]!);
+        expected[i] = x;
+        expected[i + 1] = y;
+      }
+      const { x, y } = turn(2.25, 3.5);
+      const shape = await session.deform("h", targets, { pickPoints: [x, y, 100, 100] });
+      assert.ok(shape.positions instanceof Float32Array);
+      assert.ok(farthest(shape.positions, expected) < 1e-5);
+      assert.equal(shape.flippedCount, 0);
+      assert.ok(Math.hypot(shape.picks[0]!.rest[0] - 2.25, shape.picks[0]!.rest[1] - 3.5) < 1e-5);
+      assert.equal(shape.picks[1], null);
+      const exact = await session.deform("h", targets, {
+        float64: true,
+        mode: "rigid",
+        refine: 2,
+        flippedIds: true,
+      });
+      assert.ok(exact.positions instanceof Float64Array);
+      assert.ok(farthest(exact.positions, expected) < 1e-9);
+      assert.equal(exact.flippedIds.length, 0);
+    }),
 );
 
 test("a track gives its frames in order, and may be left", { timeout }, () =>
@@ -113,8 +133,13 @@ test("a track gives its frames in order, and may be left", { timeout }, () =>
       assert.equal(shape.positions.length, 162);
     }
     assert.equal(count, 20);
-    for await (const shape of session.deformTrack("h", ["l", "r", "top"], frames)) if (shape.sequence === 3) break;
-    const bad = session.deformTrack("h", ["l", "r", "top"], [{ positions: [0, 0, 8, Number.NaN, 4.5, 8] }]);
+    for await (const shape of session.deformTrack("h", ["l", "r", "top"], frames))
+      if (shape.sequence === 3) break;
+    const bad = session.deformTrack(
+      "h",
+      ["l", "r", "top"],
+      [{ positions: [0, 0, 8, Number.NaN, 4.5, 8] }],
+    );
     assert.match((await failure(bad.next(), "NON_FINITE_TARGET")).message, /frames\[0\]/);
   }),
 );
@@ -151,27 +176,40 @@ test("a stream moves, edits, picks, pings and ends", { timeout }, () =>
   }),
 );
 
-test("every update is answered where that is asked, and for await ends with the stream", { timeout }, () =>
-  serve(async (client) => {
-    const session = await puppet(client);
-    const stream = await session.openStream("h", { delivery: "every" });
-    const sending = (async () => {
-      for (let i = 1; i <= 50; i++) {
-        stream.send({ targets: [{ id: "r", x: 8, y: i / 50 }] });
-        await stream.drained();
-      }
-      stream.closeSending();
-    })();
-    const sequences: number[] = [];
-    for await (const event of stream) if (event.kind === "shape") sequences.push(event.shape.sequence);
-    await sending;
-    assert.deepEqual(sequences, Array.from({ length: 50 }, (_, i) => i + 1));
-  }),
+test(
+  "every update is answered where that is asked, and for await ends with the stream",
+  { timeout },
+  () =>
+    serve(async (client) => {
+      const session = await puppet(client);
+      const stream = await session.openStream("h", { delivery: "every" });
+      const sending = (async () => {
+        for (let i = 1; i <= 50; i++) {
+          stream.send({ targets: [{ id: "r", x: 8, y: i / 50 }] });
+          await stream.drained();
+        }
+        stream.closeSending();
+      })();
+      const sequences: number[] = [];
+      for await (const event of stream)
+        if (event.kind === "shape") sequences.push(event.shape.sequence);
+      await sending;
+      assert.deepEqual(
+        sequences,
+        Array.from({ length: 50 }, (_, i) => i + 1),
+      );
+    }),
 );
 
 test("outlines become a mesh that can be registered", { timeout }, () =>
   serve(async (client) => {
-    const outline = await client.meshOutline([[0, 0, 10, 0, 10, 10, 0, 10], [4, 4, 6, 4, 6, 6, 4, 6]], 200);
+    const outline = await client.meshOutline(
+      [
+        [0, 0, 10, 0, 10, 10, 0, 10],
+        [4, 4, 6, 4, 6, 6, 4, 6],
+      ],
+      200,
+    );
     assert.equal(outline.pieceCount, 1);
     assert.equal(outline.holeCount, 1);
     const session = await client.createSession();
@@ -187,9 +225,17 @@ test("a curved sheet is laid flat, at once and as a job", { timeout }, () =>
     const sheet = grid(n, 5, () => 0);
     for (let i = 0; i < n * 5; i++) {
       const angle = ((Math.PI / 2) * (i % n)) / (n - 1);
-      sheet.vertices.set([20 * Math.sin(angle), 2.5 * Math.floor(i / n), 20 * Math.cos(angle)], 3 * i);
+      sheet.vertices.set(
+        [20 * Math.sin(angle), 2.5 * Math.floor(i / n), 20 * Math.cos(angle)],
+        3 * i,
+      );
     }
-    const options = { method: "arap_face", singularValues: true, firstStep: true, float64: true } as const;
+    const options = {
+      method: "arap_face",
+      singularValues: true,
+      firstStep: true,
+      float64: true,
+    } as const;
     const flat = await client.flatten(sheet, options);
     const us = flat.uv.filter((_, i) => i % 2 === 0);
     assert.ok(Math.abs(Math.max(...us) - Math.min(...us) - 10 * Math.PI) < 0.01);
@@ -214,16 +260,29 @@ test("a curved sheet is laid flat, at once and as a job", { timeout }, () =>
 test("answers larger than the 4 MB of gRPC arrive", { timeout: 300_000 }, () =>
   serve(async (client) => {
     const sheet = grid(300, 300, (x, y) => Math.sin(x / 30) + Math.cos(y / 40));
-    const flat = await client.flatten(sheet, { method: "lscm", float64: true, singularValues: true, firstStep: true });
+    const flat = await client.flatten(sheet, {
+      method: "lscm",
+      float64: true,
+      singularValues: true,
+      firstStep: true,
+    });
     const bytes = flat.uv.byteLength + flat.firstStepUv.byteLength + flat.singularValues.byteLength;
     assert.ok(bytes > 4 << 20, `${bytes} bytes`);
   }),
 );
 
 test("a port of TCP will do as well as a socket", { timeout }, () =>
-  serve(async (client) => {
-    await (await puppet(client)).deform("h", [
-      { id: "l", x: 0, y: 0 }, { id: "r", x: 8, y: 0 }, { id: "top", x: 4, y: 9 },
-    ]);
-  }, ["--store", "memory"], "127.0.0.1:0"),
+  serve(
+    async (client) => {
+      await (
+        await puppet(client)
+      ).deform("h", [
+        { id: "l", x: 0, y: 0 },
+        { id: "r", x: 8, y: 0 },
+        { id: "top", x: 4, y: 9 },
+      ]);
+    },
+    ["--store", "memory"],
+    "127.0.0.1:0",
+  ),
 );

@@ -11,8 +11,15 @@ import { ReplayLog } from "../dist/stream/replay_log.js";
 const none = new Uint8Array(0);
 const move = (sequence: number, places: Record<string, number>): Message => ({
   update: {
-    sequence, positions: none, pickPoints: none,
-    targets: Object.entries(places).map(([handleId, x]) => ({ handleId, x, y: 0, angleRadians: 0 })),
+    sequence,
+    positions: none,
+    pickPoints: none,
+    targets: Object.entries(places).map(([handleId, x]) => ({
+      handleId,
+      x,
+      y: 0,
+      angleRadians: 0,
+    })),
   },
 });
 const all = (sequence: number, ...places: number[]): Message => ({
@@ -37,20 +44,46 @@ test("updates that newer ones replace become one, and no target is lost", () => 
 });
 
 test("all positions at once stand between what came before and after", () => {
-  const messages = [move(1, { a: 1 }), all(2, 0, 0), move(3, { b: 3 }), all(4, 0, 0), move(5, { a: 5 }), move(6, { a: 6 })];
+  const messages = [
+    move(1, { a: 1 }),
+    all(2, 0, 0),
+    move(3, { b: 3 }),
+    all(4, 0, 0),
+    move(5, { a: 5 }),
+    move(6, { a: 6 }),
+  ];
   assert.deepEqual(told(fold(messages)), ["3 a=1 b=3", "4 all 1", "5 a=5", "6 a=6"]);
 });
 
 test("the last update before an edit stays, and so does what may not be merged", () => {
-  const messages = [move(1, { a: 1 }), move(2, { a: 2 }), edit(3), move(4, { a: 4 }), move(5, { x: 5 }), move(6, { a: 6 })];
+  const messages = [
+    move(1, { a: 1 }),
+    move(2, { a: 2 }),
+    edit(3),
+    move(4, { a: 4 }),
+    move(5, { x: 5 }),
+    move(6, { a: 6 }),
+  ];
   const mayMerge = (update: Update): boolean => update.targets[0]?.handleId !== "x";
-  assert.deepEqual(told(fold(messages, mayMerge)), ["1 a=1", "2 a=2", "3 edit", "4 a=4", "5 x=5", "6 a=6"]);
+  assert.deepEqual(told(fold(messages, mayMerge)), [
+    "1 a=1",
+    "2 a=2",
+    "3 edit",
+    "4 a=4",
+    "5 x=5",
+    "6 a=6",
+  ]);
 });
 
 test("only what is surely good is merged", () => {
   const rule = new MergeRule();
   const update = (message: Message): Update => (isEdit(message) ? assert.fail() : message.update);
-  const handles = ["a", "b"].map((id) => ({ id, rest: [0, 0] as const, snappedDistance: 0, component: 0 }));
+  const handles = ["a", "b"].map((id) => ({
+    id,
+    rest: [0, 0] as const,
+    snappedDistance: 0,
+    component: 0,
+  }));
   rule.restart({ handles } as never);
   assert.ok(rule.allows(update(move(1, { a: 1, b: 2 }))));
   assert.ok(!rule.allows(update(move(1, { c: 1 }))));
@@ -71,7 +104,13 @@ test("only what is surely good is merged", () => {
 
 test("after a loss the edits are said again with the targets before each, then the rest", () => {
   const log = new ReplayLog(true);
-  for (const message of [move(1, { a: 1 }), move(2, { b: 2 }), edit(3, [], ["c"]), move(4, { c: 4 }), move(5, { c: 5 })]) {
+  for (const message of [
+    move(1, { a: 1 }),
+    move(2, { b: 2 }),
+    edit(3, [], ["c"]),
+    move(4, { c: 4 }),
+    move(5, { c: 5 }),
+  ]) {
     log.sent(message);
   }
   assert.equal(log.answered(2, true), true);
@@ -91,7 +130,10 @@ test("what was answered by an error is forgotten, what it replaced is not", () =
 });
 
 test("a latest stream keeps a few hundred updates that wait, an every stream all", () => {
-  for (const [latest, most] of [[true, 260], [false, 5000]] as const) {
+  for (const [latest, most] of [
+    [true, 260],
+    [false, 5000],
+  ] as const) {
     const log = new ReplayLog(latest);
     for (let i = 1; i <= 5000; i++) log.sent(move(i, { [`h${i % 3}`]: i }));
     const messages = log.messages();

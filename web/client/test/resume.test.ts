@@ -21,7 +21,9 @@ interface Stage {
 }
 
 async function onStage(
-  use: (stage: Stage) => Promise<void>, flags: readonly string[] = [], listen?: string,
+  use: (stage: Stage) => Promise<void>,
+  flags: readonly string[] = [],
+  listen?: string,
 ): Promise<void> {
   const server = new Server(["--store", "sqlite:{}/state", ...flags], listen);
   let client: Client | undefined;
@@ -30,7 +32,10 @@ async function onStage(
     client = Client.connect(server.address);
     const session = await client.createSession();
     await session.registerMesh(grid(9, 9), { id: "m" });
-    await session.compileHandles("h", "m", [{ id: "l", vertex: 0 }, { id: "r", vertex: 8 }]);
+    await session.compileHandles("h", "m", [
+      { id: "l", vertex: 0 },
+      { id: "r", vertex: 8 },
+    ]);
     await use({ server, client, session });
   } finally {
     client?.close();
@@ -38,7 +43,8 @@ async function onStage(
   }
 }
 
-// Two updates with an edit of the stream's own between them: what it adds starts where the first has brought it.
+// Two updates with an edit of the stream's own between them: what it adds starts where the first
+// has brought it.
 async function begin(stream: DeformStream): Promise<void> {
   stream.send({ targets: [{ id: "r", x: 8, y: 3 }] });
   assert.equal((await nextShape(stream)).sequence, 1);
@@ -50,7 +56,9 @@ async function begin(stream: DeformStream): Promise<void> {
 const last = { targets: [{ id: "r", x: 9, y: 1 }] };
 
 /** The last shape of a stream that nothing happens to. */
-async function undisturbed(session: Session): Promise<{ positions: ArrayLike<number>; revision: number }> {
+async function undisturbed(
+  session: Session,
+): Promise<{ positions: ArrayLike<number>; revision: number }> {
   const stream = await session.openStream("h", { float64: true });
   await begin(stream);
   stream.send(last);
@@ -60,8 +68,8 @@ async function undisturbed(session: Session): Promise<{ positions: ArrayLike<num
 }
 
 /**
- * Drags "r" until `harm` is over and a little longer, then to its last place. Counts what was sent and what came, and
- * answers the last shape.
+ * Drags "r" until `harm` is over and a little longer, then to its last place. Counts what was sent
+ * and what came, and answers the last shape.
  */
 async function drag(stream: DeformStream, harm: () => Promise<void>) {
   let sent = 0;
@@ -87,7 +95,10 @@ async function drag(stream: DeformStream, harm: () => Promise<void>) {
     final = stream.send(last);
     stream.closeSending();
   })();
-  const stopped = sending.then(() => undefined, (error: unknown) => (stream.cancel(), Promise.reject(error)));
+  const stopped = sending.then(
+    () => undefined,
+    (error: unknown) => (stream.cancel(), Promise.reject(error)),
+  );
   let shape;
   for await (const event of stream) {
     assert.notEqual(event.kind, "error");
@@ -97,7 +108,10 @@ async function drag(stream: DeformStream, harm: () => Promise<void>) {
     shape = event.shape;
   }
   await stopped;
-  assert.ok(shape && shape.sequence === final, `the last shape answers ${shape?.sequence}, not ${final}`);
+  assert.ok(
+    shape && shape.sequence === final,
+    `the last shape answers ${shape?.sequence}, not ${final}`,
+  );
   return { shape, sent, shapes, resumed };
 }
 
@@ -134,7 +148,12 @@ for (const [name, { options, harm }] of Object.entries(harms)) {
         const expected = await undisturbed(session);
         const total = { sent: 0, shapes: 0, resumed: 0 };
         for (let round = 0; round < rounds; round++) {
-          const stream = await session.openStream("h", { ...options, delivery, float64: true, resumeWithin: 60_000 });
+          const stream = await session.openStream("h", {
+            ...options,
+            delivery,
+            float64: true,
+            resumeWithin: 60_000,
+          });
           await begin(stream);
           const { shape, sent, shapes, resumed } = await drag(stream, () => harm(server));
           assert.deepEqual(shape.positions, expected.positions);
@@ -146,7 +165,9 @@ for (const [name, { options, harm }] of Object.entries(harms)) {
           total.resumed += resumed;
         }
         const lost = total.sent - total.shapes;
-        t.diagnostic(`${total.sent} updates sent, ${lost} without a frame of their own, ${total.resumed} resumed`);
+        t.diagnostic(
+          `${total.sent} updates sent, ${lost} without a frame of their own, ${total.resumed} resumed`,
+        );
       }),
     );
   }
@@ -177,18 +198,22 @@ test("what was on its way is said again, pings too", { timeout }, () =>
 );
 
 test("a connection that the server replaces is nothing that a stream shows", { timeout }, () =>
-  onStage(async ({ session }) => {
-    const expected = await undisturbed(session);
-    const stream = await session.openStream("h", { float64: true, resumeWithin: 60_000 });
-    await begin(stream);
-    await next(stream, "resumed");
-    stream.send(last);
-    let event = await stream.read();
-    while (event?.kind === "resumed") event = await stream.read();
-    assert.deepEqual(event?.kind === "shape" && event.shape.positions, expected.positions);
-    await session.get();
-    stream.cancel();
-  }, ["--connection-age-seconds", "1"], "127.0.0.1:0"),
+  onStage(
+    async ({ session }) => {
+      const expected = await undisturbed(session);
+      const stream = await session.openStream("h", { float64: true, resumeWithin: 60_000 });
+      await begin(stream);
+      await next(stream, "resumed");
+      stream.send(last);
+      let event = await stream.read();
+      while (event?.kind === "resumed") event = await stream.read();
+      assert.deepEqual(event?.kind === "shape" && event.shape.positions, expected.positions);
+      await session.get();
+      stream.cancel();
+    },
+    ["--connection-age-seconds", "1"],
+    "127.0.0.1:0",
+  ),
 );
 
 test("a stream gives up in time, and says why again", { timeout }, () =>

@@ -6,10 +6,19 @@ import { test } from "node:test";
 import { loadSync } from "@grpc/proto-loader";
 import type { MessageTypeDefinition } from "@grpc/proto-loader";
 
-import { firstNonFinite, float32Run, float64Run, packFloat64, packUint32, uint32Run } from "../dist/runs.js";
+import {
+  firstNonFinite,
+  float32Run,
+  float64Run,
+  packFloat64,
+  packUint32,
+  uint32Run,
+} from "../dist/runs.js";
 
 // The interface as it is declared, read by protobuf.js.
-const declared = loadSync("arap/v1/deformation_service.proto", { includeDirs: [join(process.cwd(), "../../proto")] });
+const declared = loadSync("arap/v1/deformation_service.proto", {
+  includeDirs: [join(process.cwd(), "../../proto")],
+});
 const planarMesh = declared["arap.v1.PlanarMesh"] as MessageTypeDefinition<object, object>;
 
 const indices = [0, 1, 127, 128, 16383, 16384, 2097151, 2097152, 268435455, 268435456, 4294967295];
@@ -23,7 +32,8 @@ test("whole numbers are packed as protobuf.js packs them, and read again", () =>
   assert.deepEqual(Buffer.from(packUint32(indices)), bytes);
   assert.deepEqual(Array.from(uint32Run(bytes)), indices);
   assert.throws(() => uint32Run(bytes.subarray(0, bytes.length - 1)), RangeError);
-  for (const bad of [-1, 0.5, 4294967296, Number.NaN]) assert.throws(() => packUint32([0, bad]), /\[1\]/);
+  for (const bad of [-1, 0.5, 4294967296, Number.NaN])
+    assert.throws(() => packUint32([0, bad]), /\[1\]/);
 });
 
 test("doubles are packed as protobuf.js packs them, and read again wherever they lie", () => {

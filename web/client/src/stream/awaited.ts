@@ -1,5 +1,6 @@
-// What a stream waits for. AwaitedAnswers: which updates and edits have no answer yet, by which an answer is known for one
-// that was asked for. SignsOfLife: when to ask the server for one, whose its answers are, when it was silent for too long.
+// What a stream waits for. AwaitedAnswers: which updates and edits have no answer yet, by which an
+// answer is known for one that was asked for. SignsOfLife: when to ask the server for one, whose
+// its answers are, when it was silent for too long.
 import { badAnswer } from "../errors.js";
 import { isEdit, sequenceOf } from "./messages.js";
 import type { Message } from "./messages.js";
@@ -14,7 +15,10 @@ interface Awaited {
   since: number;
 }
 
-/** Answers come in the order of what they answer; with `every` nothing is left out, else newer ones replace older ones. */
+/**
+ * Answers come in the order of what they answer; with `every` nothing is left out, else newer ones
+ * replace older ones.
+ */
 export class AwaitedAnswers {
   readonly #every: boolean;
   #awaited: Awaited[] = [];
@@ -35,11 +39,15 @@ export class AwaitedAnswers {
     for (const message of messages) this.sent(message, now);
   }
 
-  /** The answer to this sequence came: for how many picks were asked, when that is known. INTERNAL when none is due. */
+  /**
+   * The answer to this sequence came: for how many picks were asked, when that is known. INTERNAL
+   * when none is due.
+   */
   take(sequence: number): number | undefined {
     const candidates = this.#every ? this.#awaited.slice(0, 1) : this.#awaited;
     const at = candidates.findIndex(({ first, last }) => first <= sequence && sequence <= last);
-    if (at < 0) throw badAnswer(`The server answered the sequence ${sequence}, for which it was not asked.`);
+    if (at < 0)
+      throw badAnswer(`The server answered the sequence ${sequence}, for which it was not asked.`);
     const { first, last, picks } = this.#awaited[at]!;
     // More of a range may be answered yet.
     this.#awaited.splice(0, first === last ? at + 1 : at);
@@ -60,7 +68,9 @@ export class AwaitedAnswers {
   }
 }
 
-/** Of the user's pings and the stream's own, which have no nonce. The server answers each, in order. */
+/**
+ * Of the user's pings and the stream's own, which have no nonce. The server answers each, in order.
+ */
 export class SignsOfLife {
   readonly #heartbeat: number;
   readonly #silence: number;
@@ -85,7 +95,10 @@ export class SignsOfLife {
     this.#heard = now;
   }
 
-  /** A question goes out. While the call is not open yet, only our own do; the user's are kept and come behind them. */
+  /**
+   * A question goes out. While the call is not open yet, only our own do; the user's are kept and
+   * come behind them.
+   */
   ask(nonce: number | undefined, open: boolean, now: number): void {
     if (nonce !== undefined || open) this.#asked.push(nonce);
     else this.#asked.unshift(nonce);

@@ -19,10 +19,14 @@ import type { HandleEdit, HandleUpdate, StreamEvent, StreamOptions } from "./opt
 function settingsOf(options: StreamOptions): Settings {
   const { heartbeat = 5000, silence = 30_000, answer = workLimit, resumeWithin = 0 } = options;
   for (const [name, time] of Object.entries({ heartbeat, silence, answer, resumeWithin })) {
-    if (!(time >= 0)) throw badOption(name, `${name} is ${time}, which is no number of milliseconds.`);
+    if (!(time >= 0))
+      throw badOption(name, `${name} is ${time}, which is no number of milliseconds.`);
   }
   if (options.delivery && options.delivery !== "latest" && options.delivery !== "every") {
-    throw badOption("delivery", `delivery is ${JSON.stringify(options.delivery)}, which is none of latest, every.`);
+    throw badOption(
+      "delivery",
+      `delivery is ${JSON.stringify(options.delivery)}, which is none of latest, every.`,
+    );
   }
   // The caller's own list may change meanwhile.
   const subset = options.vertexSubset && { vertexSubset: Uint32Array.from(options.vertexSubset) };
@@ -37,11 +41,12 @@ function settingsOf(options: StreamOptions): Settings {
  * for await (const event of stream) if (event.kind === "shape") draw(event.shape.positions);
  * ```
  *
- * One that is asked to resume (StreamOptions.resumeWithin) survives its server: reading opens it again, on whichever server
- * answers, says again what the new one has to know (targets, the stream's own edits, whatever has no answer yet), and
- * answers "resumed". The shapes that follow are those of an uninterrupted stream, and no answer comes twice. Somebody has
- * to read for that. Memory: a target per handle and edit, and what has no answer yet; of the updates to a "latest" stream,
- * which newer ones replace, a few hundred.
+ * One that is asked to resume (StreamOptions.resumeWithin) survives its server: reading opens it
+ * again, on whichever server answers, says again what the new one has to know (targets, the
+ * stream's own edits, whatever has no answer yet), and answers "resumed". The shapes that follow
+ * are those of an uninterrupted stream, and no answer comes twice. Somebody has to read for that.
+ * Memory: a target per handle and edit, and what has no answer yet; of the updates to a "latest"
+ * stream, which newer ones replace, a few hundred.
  */
 export class DeformStream implements AsyncIterable<StreamEvent> {
   readonly #live: LiveStream;
@@ -49,7 +54,11 @@ export class DeformStream implements AsyncIterable<StreamEvent> {
 
   /** Waits until the server has opened the stream. Session.openStream calls it. */
   static async open(
-    channel: Channel, sizes: KnownSizes, sessionId: string, handleSetId: string, options: StreamOptions,
+    channel: Channel,
+    sizes: KnownSizes,
+    sessionId: string,
+    handleSetId: string,
+    options: StreamOptions,
     call: CallOptions,
   ): Promise<DeformStream> {
     const open: OpenStream = {
@@ -73,9 +82,10 @@ export class DeformStream implements AsyncIterable<StreamEvent> {
   }
 
   /**
-   * Sends an update, and answers its sequence. Never waits: on a "latest" stream updates that the transport has not taken
-   * yet are merged, their targets kept; on an "every" stream they queue up, so wait for `drained` between them. PROTOCOL:
-   * the stream is over, reading tells why. INVALID_OPTION: the sequence has not grown.
+   * Sends an update, and answers its sequence. Never waits: on a "latest" stream updates that the
+   * transport has not taken yet are merged, their targets kept; on an "every" stream they queue up,
+   * so wait for `drained` between them. PROTOCOL: the stream is over, reading tells why.
+   * INVALID_OPTION: the sequence has not grown.
    */
   send(update: HandleUpdate): number {
     return this.#say({
@@ -88,7 +98,10 @@ export class DeformStream implements AsyncIterable<StreamEvent> {
     });
   }
 
-  /** Changes the handle set of this stream, and answers the sequence. The answer is a shape with the next revision. */
+  /**
+   * Changes the handle set of this stream, and answers the sequence. The answer is a shape with the
+   * next revision.
+   */
   edit(edit: HandleEdit): number {
     const { remove = [], add = [] } = edit;
     const sequence = this.#next(edit.sequence);
@@ -97,11 +110,14 @@ export class DeformStream implements AsyncIterable<StreamEvent> {
 
   /** Asks for a sign of life. */
   ping(nonce = 0): void {
-    if (!Number.isSafeInteger(nonce) || nonce < 0) throw badOption("nonce", `The nonce ${nonce} is no whole number.`);
+    if (!Number.isSafeInteger(nonce) || nonce < 0)
+      throw badOption("nonce", `The nonce ${nonce} is no whole number.`);
     this.#live.ping(nonce);
   }
 
-  /** Says that nothing more will be sent. The server answers what is pending and ends the stream. */
+  /**
+   * Says that nothing more will be sent. The server answers what is pending and ends the stream.
+   */
   closeSending(): void {
     this.#live.closeSending();
   }
@@ -112,8 +128,9 @@ export class DeformStream implements AsyncIterable<StreamEvent> {
   }
 
   /**
-   * Waits for the next event; one reader at a time. Undefined: the stream ended well. Rejects when it is broken, when the
-   * server sent what was not asked for (INTERNAL), or when it could not be resumed in time; further reads do the same.
+   * Waits for the next event; one reader at a time. Undefined: the stream ended well. Rejects when
+   * it is broken, when the server sent what was not asked for (INTERNAL), or when it could not be
+   * resumed in time; further reads do the same.
    */
   read(): Promise<StreamEvent | undefined> {
     return this.#live.read();
@@ -124,14 +141,20 @@ export class DeformStream implements AsyncIterable<StreamEvent> {
     this.#live.cancel();
   }
 
-  /** The events until the stream ends. Leaving the loop leaves the stream open: read on later, or cancel it. */
+  /**
+   * The events until the stream ends. Leaving the loop leaves the stream open: read on later, or
+   * cancel it.
+   */
   async *[Symbol.asyncIterator](): AsyncGenerator<StreamEvent, void> {
     for (let event = await this.read(); event; event = await this.read()) yield event;
   }
 
   #next(sequence = this.#sequence + 1): number {
     if (Number.isSafeInteger(sequence) && sequence > this.#sequence) return sequence;
-    throw badOption("sequence", `The sequence ${sequence} is no whole number above the last one, ${this.#sequence}.`);
+    throw badOption(
+      "sequence",
+      `The sequence ${sequence} is no whole number above the last one, ${this.#sequence}.`,
+    );
   }
 
   #say(message: Message): number {

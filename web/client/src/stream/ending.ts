@@ -2,16 +2,23 @@
 import { setTimeout as sleep } from "node:timers/promises";
 
 import { Backoff } from "../calls.js";
-import { ArapError, badAnswer, cancelled, errorOfCall, isLost } from "../errors.js";
+import { ArapError, badAnswer, cancelled, errorOfCall, isLost, overdue } from "../errors.js";
 import type { CallStatus } from "../errors.js";
 
-/** Without an error it ended well. Lost: it may do better elsewhere. Thrown while a call is opened. */
+/**
+ * Without an error it ended well. Lost: it may do better elsewhere. Thrown while a call is opened.
+ */
 export class Ending {
-  constructor(readonly error: ArapError | undefined, readonly lost: boolean) {}
+  constructor(
+    readonly error: ArapError | undefined,
+    readonly lost: boolean,
+  ) {}
 }
 
 export const errorFrom = (thrown: unknown): ArapError =>
-  thrown instanceof ArapError ? thrown : badAnswer(`The answer of the server cannot be taken: ${String(thrown)}.`);
+  thrown instanceof ArapError
+    ? thrown
+    : badAnswer(`The answer of the server cannot be taken: ${String(thrown)}.`);
 export const streamCancelled = (): ArapError => cancelled("The stream was cancelled.");
 
 /** What a stream knows of a call that is over. */
@@ -35,7 +42,34 @@ export function endingOf(status: CallStatus, at: Circumstances): Ending {
   }
   if (status.code !== 0) return new Ending(errorOfCall(status), lost);
   if (!at.awaiting) return new Ending(undefined, false);
-  return new Ending(badAnswer("The server ended the stream early: what was sent on it has no answer."), false);
+  return new Ending(
+    badAnswer("The server ended the stream early: what was sent on it has no answer."),
+    false,
+  );
+}
+
+/** What is waited for, and since when. */
+export interface Waiting {
+  /** A message to be taken. */
+  writingSince: number | undefined;
+  /** An opening or an event. */
+  waitingSince: number | undefined;
+  open: boolean;
+  /** The oldest update or edit that has no answer. */
+  oldest: number | undefined;
+  sendingClosed: boolean;
+}
+
+/** Why a call is given up for good after `answer` milliseconds; nothing before. */
+export function overdueOf(time: number, answer: number, at: Waiting): ArapError | undefined {
+  const late = (what: string): ArapError =>
+    overdue(`The server has not ${what} for ${answer / 1000} s.`);
+  const isLong = (since: number): boolean => time - since >= answer;
+  if (at.writingSince !== undefined && isLong(at.writingSince)) return late("taken a message");
+  if (at.waitingSince === undefined || !isLong(at.waitingSince)) return undefined;
+  if (!at.open) return late("opened the stream");
+  if (at.oldest === undefined) return at.sendingClosed ? late("ended the stream") : undefined;
+  return isLong(at.oldest) ? late("answered an update or edit") : undefined;
 }
 
 /** From a loss until the server has answered what was said again. */
@@ -55,7 +89,10 @@ export class Trouble {
     this.#opened = performance.now();
     this.#lastSaid = lastSaid;
   }
-  /** Whether it was opened a short while ago: who is lost again comes back neither at once nor for ever. */
+  /**
+   * Whether it was opened a short while ago: who is lost again comes back neither at once nor for
+   * ever.
+   */
   isRecent(within: number): boolean {
     return this.#opened !== undefined && performance.now() - this.#opened < within;
   }
@@ -64,7 +101,10 @@ export class Trouble {
     return sequence >= this.#lastSaid;
   }
 
-  /** Waits before the next attempt, to `deadline` of Date.now() at most; throws `last` when it is time to give up. */
+  /**
+   * Waits before the next attempt, to `deadline` of Date.now() at most; throws `last` when it is
+   * time to give up.
+   */
   async pause(last: ArapError, deadline: number, signal: AbortSignal): Promise<void> {
     const pause = this.#backoff.next();
     if (performance.now() + pause >= this.#until) throw last;

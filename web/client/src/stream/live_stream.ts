@@ -1,10 +1,10 @@
-// LiveStream: what a DeformStream holds. The call of the moment, and what outlives it: which answers are due, what would
-// have to be said again, and who is still there.
+// LiveStream: what a DeformStream holds. The call of the moment, and what outlives it: which
+// answers are due, what would have to be said again, and who is still there.
 import { CallHeaders, deadlineOf } from "../calls.js";
 import type { CallOptions } from "../calls.js";
 import type { Channel } from "../channel.js";
 import type { MeshSize } from "../checks.js";
-import { badAnswer, errorOf, isFull, outOfOrder, overdue } from "../errors.js";
+import { badAnswer, errorOf, isFull, outOfOrder } from "../errors.js";
 import type { ArapError } from "../errors.js";
 import type { OpenStream } from "../gen/arap/v1/OpenStream.js";
 import type { ShapeAnswer } from "../gen/arap/v1/Shape.js";
@@ -15,7 +15,7 @@ import { verticesOf } from "../positions.js";
 import { shapeOf } from "../shape.js";
 import type { KnownSizes } from "../sizes.js";
 import { AwaitedAnswers, SignsOfLife } from "./awaited.js";
-import { Ending, Trouble, endingOf, errorFrom, streamCancelled } from "./ending.js";
+import { Ending, Trouble, endingOf, errorFrom, overdueOf, streamCancelled } from "./ending.js";
 import { MergeRule } from "./merge_rule.js";
 import { isEdit, sequenceOf } from "./messages.js";
 import type { Message } from "./messages.js";
@@ -24,10 +24,14 @@ import { ReplayLog } from "./replay_log.js";
 import { StreamCall } from "./stream_call.js";
 
 /** The options with their defaults. */
-export type Settings = StreamOptions & { heartbeat: number; silence: number; answer: number; resumeWithin: number };
+export type Settings = StreamOptions & {
+  heartbeat: number;
+  silence: number;
+  answer: number;
+  resumeWithin: number;
+};
 
 const now = (): number => performance.now();
-const seconds = (milliseconds: number): string => `${milliseconds / 1000} s`;
 export class LiveStream {
   handleSet!: HandleSetInfo; // as it was when the stream opened
   #channel: Channel;
@@ -49,7 +53,8 @@ export class LiveStream {
   #call: StreamCall | undefined; // of the moment
   #open = false; // it may be pushed on
   #onOpen: (() => void)[] = [];
-  #merged: { count: number; sequence: number }[] = []; // updates that were merged into newer ones before they went out
+  // Updates that were merged into newer ones before they went out.
+  #merged: { count: number; sequence: number }[] = [];
   #sendingClosed = false;
   #cancelled = false;
   #silent = false; // for so long that the call was given up
@@ -59,7 +64,13 @@ export class LiveStream {
   #trouble: Trouble | undefined;
   #end: { error: ArapError | undefined } | undefined; // how the stream ended
 
-  constructor(channel: Channel, sizes: KnownSizes, open: OpenStream, settings: Settings, call: CallOptions) {
+  constructor(
+    channel: Channel,
+    sizes: KnownSizes,
+    open: OpenStream,
+    settings: Settings,
+    call: CallOptions,
+  ) {
     this.#channel = channel;
     this.#sizes = sizes;
     this.#settings = settings;
@@ -77,7 +88,10 @@ export class LiveStream {
   async open(): Promise<void> {
     const { heartbeat, silence, answer } = this.#settings;
     const shortest = heartbeat > 0 ? Math.min(heartbeat, silence, answer) : answer;
-    this.#watch = setInterval(() => this.#look(), Math.min(Math.max(shortest / 2, 1), 3_600_000)).unref();
+    this.#watch = setInterval(
+      () => this.#look(),
+      Math.min(Math.max(shortest / 2, 1), 3_600_000),
+    ).unref();
     try {
       this.handleSet = await this.#openCall();
     } catch (ending) {
@@ -252,7 +266,8 @@ export class LiveStream {
     this.#merged.push({ count: count + before, sequence });
   }
 
-  // A new call, opened by the server; its handle set. It is the call of the moment, but nothing is pushed before #open.
+  // A new call, opened by the server; its handle set. It is the call of the moment, but nothing is
+  // pushed before #open.
   async #openCall(): Promise<HandleSetInfo> {
     const call = new StreamCall(this.#channel, this.#headers.of(this.#channel), this.#deadline, {
       latest: this.#settings.delivery !== "every",
@@ -271,21 +286,29 @@ export class LiveStream {
       const message = await this.#next(call);
       if (!message) {
         const ending = this.#endOf(call);
-        throw ending.error ? ending : new Ending(badAnswer("The server ended the stream without opening it."), false);
+        throw ending.error
+          ? ending
+          : new Ending(badAnswer("The server ended the stream without opening it."), false);
       }
       if (message.opened) {
         const asked = { id: this.#openMessage.handleSetId ?? "" };
         const set = handleSetOf(message.opened.handleSet, asked, this.#sizes.ofMesh);
         this.#sizes.knowSet(set.id, set.meshId);
-        this.#vertices = verticesOf(message.opened.vertices, this.#settings, this.#sizes.ofMesh(set.meshId));
+        this.#vertices = verticesOf(
+          message.opened.vertices,
+          this.#settings,
+          this.#sizes.ofMesh(set.meshId),
+        );
         return set;
       }
-      if (!message.pong) throw new Ending(badAnswer("The server answered before it opened the stream."), false);
+      if (!message.pong)
+        throw new Ending(badAnswer("The server answered before it opened the stream."), false);
       this.#takePong(message.pong.nonce);
     }
   }
 
-  // Opens again after the loss that `error` tells of, for as long as the options say. The event, or throws the last error.
+  // Opens again after the loss that `error` tells of, for as long as the options say. The event, or
+  // throws the last error.
   async #resume(error: ArapError, log: ReplayLog): Promise<StreamEvent> {
     this.#open = false;
     const { resumeWithin } = this.#settings;
@@ -334,20 +357,20 @@ export class LiveStream {
   }
 
   #takePong(nonce: number): StreamEvent | undefined {
-    if (!this.#life.isDueAnswer(nonce)) throw badAnswer("The server answered a ping that was not sent.");
+    if (!this.#life.isDueAnswer(nonce))
+      throw badAnswer("The server answered a ping that was not sent.");
     return this.#life.answered() === undefined ? undefined : { kind: "pong", nonce };
   }
 
   // Why the call is not to be waited for any longer; nothing as long as it is.
-  #isOverdue(call: StreamCall, time: number): ArapError | undefined {
-    const { answer } = this.#settings;
-    const late = (what: string): ArapError => overdue(`The server has not ${what} for ${seconds(answer)}.`);
-    if (call.writingSince !== undefined && time - call.writingSince >= answer) return late("taken a message");
-    if (this.#waitingSince === undefined || time - this.#waitingSince < answer) return undefined;
-    if (!this.#open) return late("opened the stream");
-    const { oldest } = this.#awaited;
-    if (oldest !== undefined) return time - oldest < answer ? undefined : late("answered an update or edit");
-    return this.#sendingClosed ? late("ended the stream") : undefined;
+  #overdueAt(call: StreamCall, time: number): ArapError | undefined {
+    return overdueOf(time, this.#settings.answer, {
+      writingSince: call.writingSince,
+      waitingSince: this.#waitingSince,
+      open: this.#open,
+      oldest: this.#awaited.oldest,
+      sendingClosed: this.#sendingClosed,
+    });
   }
 
   // Asks for signs of life, and gives up a call on which nothing happens.
@@ -359,9 +382,13 @@ export class LiveStream {
     if (asks && this.#life.isSilent(time)) {
       this.#silent = true;
       call.cancel();
-    } else if (!this.#overdue && (this.#overdue = this.#isOverdue(call, time))) {
+    } else if (!this.#overdue && (this.#overdue = this.#overdueAt(call, time))) {
       call.cancel();
-    } else if (asks && !(this.#open && this.#sendingClosed) && this.#life.isDue(call.isClear, time)) {
+    } else if (
+      asks &&
+      !(this.#open && this.#sendingClosed) &&
+      this.#life.isDue(call.isClear, time)
+    ) {
       this.#pushPing(undefined);
     }
   }

@@ -4,8 +4,8 @@ import { float64Run } from "../runs.js";
 import type { Edit, Update } from "./messages.js";
 
 /**
- * An update that is surely a good one: of handles that the stream surely has, to places that are numbers. Others go out as
- * they are, so that the server's error tells of them alone.
+ * An update that is surely a good one: of handles that the stream surely has, to places that are
+ * numbers. Others go out as they are, so that the server's error tells of them alone.
  */
 export class MergeRule {
   #ids = new Set<string>();
@@ -37,7 +37,8 @@ export class MergeRule {
     if (!float64Run(update.positions).every(Number.isFinite)) return false;
     return update.targets.every(
       ({ handleId, x, y, angleRadians, scale }) =>
-        this.#ids.has(handleId ?? "") && [x, y, angleRadians ?? 0, scale ?? 1].every(Number.isFinite),
+        this.#ids.has(handleId ?? "") &&
+        [x, y, angleRadians ?? 0, scale ?? 1].every(Number.isFinite),
     );
   };
 }

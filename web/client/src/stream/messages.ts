@@ -17,11 +17,13 @@ export interface Edit extends WireEdit {
 export type Message = { update: Update } | { edit: Edit };
 
 export const isEdit = (message: Message): message is { edit: Edit } => "edit" in message;
-export const sequenceOf = (message: Message): number => (isEdit(message) ? message.edit : message.update).sequence;
+export const sequenceOf = (message: Message): number =>
+  (isEdit(message) ? message.edit : message.update).sequence;
 
 /**
- * Targets that several updates have come to: single ones, then all positions at once, which leave angles and scales as
- * they are, then single ones again. Each with the last sequence that it has something from.
+ * Targets that several updates have come to: single ones, then all positions at once, which leave
+ * angles and scales as they are, then single ones again. Each with the last sequence that it has
+ * something from.
  */
 export class Pose {
   #before = new Map<string, WireTarget>();
@@ -44,9 +46,15 @@ export class Pose {
   /** At most three updates, in order, with growing sequences. */
   say(out: Message[]): void {
     const none = new Uint8Array(0);
-    const say = (sequence: number, targets: Map<string, WireTarget>, positions: Uint8Array): void => {
+    const say = (
+      sequence: number,
+      targets: Map<string, WireTarget>,
+      positions: Uint8Array,
+    ): void => {
       if (targets.size === 0 && positions.length === 0) return;
-      out.push({ update: { sequence, targets: [...targets.values()], positions, pickPoints: none } });
+      out.push({
+        update: { sequence, targets: [...targets.values()], positions, pickPoints: none },
+      });
     };
     say(this.#sequences.before, this.#before, none);
     say(this.#sequences.positions, new Map(), this.#positions);
@@ -55,10 +63,14 @@ export class Pose {
 }
 
 /**
- * Fewer messages that a "latest" stream answers alike. The last update before an edit, and the newest of all, are answered
- * in any case: they stay as they were sent, and so does what `mayMerge` says no to.
+ * Fewer messages that a "latest" stream answers alike. The last update before an edit, and the
+ * newest of all, are answered in any case: they stay as they were sent, and so does what `mayMerge`
+ * says no to.
  */
-export function fold(messages: readonly Message[], mayMerge: (update: Update) => boolean = () => true): Message[] {
+export function fold(
+  messages: readonly Message[],
+  mayMerge: (update: Update) => boolean = () => true,
+): Message[] {
   const folded: Message[] = [];
   let pose = new Pose();
   messages.forEach((message, i) => {

@@ -7,29 +7,32 @@ import type { Shape, ShapeOptions } from "../shape.js";
 /** How to stream. Times are in milliseconds. */
 export interface StreamOptions extends ShapeOptions {
   /**
-   * "latest", the default: a new update replaces one that has not started, on the server and on its way to it. "every":
-   * every update is answered.
+   * "latest", the default: a new update replaces one that has not started, on the server and on its
+   * way to it. "every": every update is answered.
    */
   delivery?: "latest" | "every";
   /**
-   * After this much silence the server is asked for a sign of life. Default 5000; 0: never. The stream then counts as used
-   * also when nobody moves a handle, and a server that is gone is noticed also behind a proxy that answers for it.
+   * After this much silence the server is asked for a sign of life. Default 5000; 0: never. The
+   * stream then counts as used also when nobody moves a handle, and a server that is gone is
+   * noticed also behind a proxy that answers for it.
    */
   heartbeat?: number;
   /**
-   * A read, or an opening, that hears nothing for so long counts the server as gone. Default 30 000. Longer than the
-   * longest frame. Ignored when heartbeat is 0.
+   * A read, or an opening, that hears nothing for so long counts the server as gone. Default 30
+   * 000. Longer than the longest frame. Ignored when heartbeat is 0.
    */
   silence?: number;
   /**
-   * For how long an opening, an update, an edit or the end may be without answer while somebody reads, and a message
-   * without being taken, whatever signs of life there are. The stream then ends with DEADLINE_EXCEEDED. Default 10 min.
+   * For how long an opening, an update, an edit or the end may be without answer while somebody
+   * reads, and a message without being taken, whatever signs of life there are. The stream then
+   * ends with DEADLINE_EXCEEDED. Default 10 min.
    */
   answer?: number;
   /**
-   * For how long a stream that was lost is opened again and again, growing pauses of up to 2 s apart, until the server has
-   * caught up. Default 0: not at all. Lost is what ended with the server gone or going away; after silence the next
-   * attempt is made over a new connection. A server that has no room is asked again too. Anything else is final.
+   * For how long a stream that was lost is opened again and again, growing pauses of up to 2 s
+   * apart, until the server has caught up. Default 0: not at all. Lost is what ended with the
+   * server gone or going away; after silence the next attempt is made over a new connection. A
+   * server that has no room is asked again too. Anything else is final.
    */
   resumeWithin?: number;
 }
@@ -62,7 +65,8 @@ export type StreamEvent =
   | { kind: "error"; sequence: number; error: ArapError }
   | { kind: "pong"; nonce: number }
   /**
-   * The stream was lost and goes on, perhaps on another server. The set is as the session holds it now, without the
-   * stream's own edits. `unanswered` updates and edits were on their way and have been said again.
+   * The stream was lost and goes on, perhaps on another server. The set is as the session holds it
+   * now, without the stream's own edits. `unanswered` updates and edits were on their way and have
+   * been said again.
    */
   | { kind: "resumed"; handleSet: HandleSetInfo; attempts: number; unanswered: number };

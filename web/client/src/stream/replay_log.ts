@@ -6,9 +6,10 @@ import type { Message } from "./messages.js";
 const mostPending = 256;
 
 /**
- * A stream's state on the server is its targets and what its edits have made of the handle set; a handle that is added
- * starts where the shape of that moment has it. So the edits that were answered are kept, with the last targets before
- * each; the targets after them, merged; and what was not answered, as it was sent.
+ * A stream's state on the server is its targets and what its edits have made of the handle set; a
+ * handle that is added starts where the shape of that moment has it. So the edits that were
+ * answered are kept, with the last targets before each; the targets after them, merged; and what
+ * was not answered, as it was sent.
  */
 export class ReplayLog {
   readonly #latest: boolean;
@@ -27,7 +28,10 @@ export class ReplayLog {
     if (this.#latest && this.#pending.length > mostPending) this.#pending = fold(this.#pending);
   }
 
-  /** The answer to `sequence` came: a shape, or an error, which means that nothing was changed. False: it had come before. */
+  /**
+   * The answer to `sequence` came: a shape, or an error, which means that nothing was changed.
+   * False: it had come before.
+   */
   answered(sequence: number, good: boolean): boolean {
     if (sequence <= this.#answered) return false;
     this.#answered = sequence;

@@ -13,8 +13,9 @@ import type { Message, Update } from "./messages.js";
 // From so many waiting messages on a "latest" stream sends few in their place.
 const mostWaiting = 8;
 
-// A stream of Node.js reads many messages ahead. This one asks for the next when somebody waits for it, so that a slow
-// reader sees the newest shape and not one of a second ago: the server keeps nothing older.
+// A stream of Node.js reads many messages ahead. This one asks for the next when somebody waits for
+// it, so that a slow reader sees the newest shape and not one of a second ago: the server keeps
+// nothing older.
 class OnDemand extends InterceptingCall {
   #wanted = false;
   #asked = false;
@@ -68,7 +69,13 @@ export class StreamCall {
     const gate: Interceptor = (options, next) => (this.#gate = new OnDemand(next(options)));
     const options: CallOptions = { deadline, interceptors: [gate] };
     const { path, requestSerialize, responseDeserialize } = deformation.StreamDeform;
-    this.#stream = channel.grpc.makeBidiStreamRequest(path, requestSerialize, responseDeserialize, metadata, options);
+    this.#stream = channel.grpc.makeBidiStreamRequest(
+      path,
+      requestSerialize,
+      responseDeserialize,
+      metadata,
+      options,
+    );
     this.#stream.on("data", (message: StreamDeformResponseAnswer) => this.#take(message));
     this.#stream.on("error", () => {}); // the status says the same
     this.#stream.on("status", (status: CallStatus) => {
@@ -96,7 +103,9 @@ export class StreamCall {
 
   /** Whether the transport takes more. */
   get isClear(): boolean {
-    return !this.status && !this.#broken && this.#waiting.length === 0 && this.writingSince === undefined;
+    return (
+      !this.status && !this.#broken && this.#waiting.length === 0 && this.writingSince === undefined
+    );
   }
   /** Waits until everything is handed to the transport, or the call is over. */
   drained(): Promise<void> {
@@ -168,7 +177,8 @@ export class StreamCall {
       const folded = fold(run, this.#sending.mayMerge);
       if (folded.length < run.length) {
         const last = run.filter((message) => !isEdit(message)).at(-1);
-        if (last && !isEdit(last)) this.#sending.onMerged(run.length - folded.length, last.update.sequence);
+        if (last && !isEdit(last))
+          this.#sending.onMerged(run.length - folded.length, last.update.sequence);
         run = folded;
       }
       shorter.push(...run);

@@ -5,7 +5,11 @@ export interface Grid {
 }
 
 /** Columns × rows vertices one apart, in the plane, or in space by `height`. */
-export function grid(columns: number, rows: number, height?: (x: number, y: number) => number): Grid {
+export function grid(
+  columns: number,
+  rows: number,
+  height?: (x: number, y: number) => number,
+): Grid {
   const dimension = height ? 3 : 2;
   const vertices = new Float64Array(columns * rows * dimension);
   const triangles: number[] = [];
@@ -14,7 +18,14 @@ export function grid(columns: number, rows: number, height?: (x: number, y: numb
       const vertex = y * columns + x;
       vertices.set(height ? [x, y, height(x, y)] : [x, y], vertex * dimension);
       if (x + 1 < columns && y + 1 < rows) {
-        triangles.push(vertex, vertex + 1, vertex + columns, vertex + 1, vertex + columns + 1, vertex + columns);
+        triangles.push(
+          vertex,
+          vertex + 1,
+          vertex + columns,
+          vertex + 1,
+          vertex + columns + 1,
+          vertex + columns,
+        );
       }
     }
   }
@@ -25,6 +36,7 @@ export function grid(columns: number, rows: number, height?: (x: number, y: numb
 export function farthest(a: ArrayLike<number>, b: ArrayLike<number>): number {
   if (a.length !== b.length) return Infinity;
   let worst = 0;
-  for (let i = 0; i < a.length; i += 2) worst = Math.max(worst, Math.hypot(a[i]! - b[i]!, a[i + 1]! - b[i + 1]!));
+  for (let i = 0; i < a.length; i += 2)
+    worst = Math.max(worst, Math.hypot(a[i]! - b[i]!, a[i + 1]! - b[i + 1]!));
   return worst;
 }

@@ -22,7 +22,10 @@ export class Server {
   #child: ChildProcess | undefined;
   #log = "";
 
-  /** "{}" in flags is the folder. It listens on a unix socket there, which is the same after every start. */
+  /**
+   * "{}" in flags is the folder. It listens on a unix socket there, which is the same after every
+   * start.
+   */
   constructor(flags: readonly string[] = ["--store", "memory"], listen = "unix:{}/socket") {
     this.#flags = flags.map((flag) => flag.replace("{}", this.folder));
     this.#listen = listen.replace("{}", this.folder);
@@ -31,7 +34,9 @@ export class Server {
   /** Starts it and waits until it listens. */
   async start(): Promise<this> {
     const always = ["--listen", this.#listen, "--max-stream-load", "0", "--no-admin"];
-    const child = spawn(program, [...always, ...this.#flags], { stdio: ["ignore", "pipe", "pipe"] });
+    const child = spawn(program, [...always, ...this.#flags], {
+      stdio: ["ignore", "pipe", "pipe"],
+    });
     this.#child = child;
     running.add(child);
     child.once("exit", () => running.delete(child));
@@ -70,7 +75,9 @@ export class Server {
 
 /** A server and a client of it for one test, which ends both. */
 export async function serve<T>(
-  use: (client: Client, server: Server) => Promise<T>, flags?: readonly string[], listen?: string,
+  use: (client: Client, server: Server) => Promise<T>,
+  flags?: readonly string[],
+  listen?: string,
 ): Promise<T> {
   const server = new Server(flags, listen);
   try {
