@@ -159,12 +159,21 @@ class Channel:
         self._plan = plan
         self._grpc = plan.make(grpc)
         self._closed = False
+        self._looking: set[Callable] = set()  # what keeps a thread of grpc at it
 
     def another(self) -> Channel:
         return Channel(self._plan)
 
     def close(self) -> None:
         self._closed = True
+        # A thread of grpc looks for the server a moment longer than it is told to, and would say so on
+        # stderr where the channel has gone meanwhile.
+        for ignore in list(self._looking):
+            self._grpc.unsubscribe(ignore)
+        until = time.monotonic() + 1
+        state = getattr(self._grpc, "_connectivity_state", None)
+        while getattr(state, "polling", False) and time.monotonic() < until:
+            time.sleep(0.005)
         self._grpc.close()
 
     def wait_ready(self, timeout: float) -> bool:
@@ -185,11 +194,12 @@ class Channel:
             pass
 
         if not self._closed:
-            # Not with try_to_connect: a thread of grpc might do so when it has been closed.
+            self._looking.add(ignore)
             self._grpc.subscribe(ignore)
         try:
             yield
         finally:
+            self._looking.discard(ignore)
             self._grpc.unsubscribe(ignore)
 
     def begin(self, command: Begin) -> Talking:
