@@ -57,7 +57,8 @@ GOOD = shape()
     (shape(flipped_ids=[1]), "only 1", {"flipped_ids": True}),
     (shape(flipped_ids=[0, 0]), "more flipped", {"flipped_ids": True}),
     (shape(origin=doubles(1, 2)), "relative to an origin for which it was not", {}),
-    (shape(), "without the origin", {"relative_to_origin": True}),
+    (shape(positions=b"", packed_positions=b"\0" * 12), "without the origin",
+     {"encoding": "int16_le"}),
     (shape(origin=doubles(1, NAN)), "not finite", {"relative_to_origin": True}),
     (shape(origin=doubles(1)), "without the origin", {"relative_to_origin": True}),
     (shape(), "another precision", {"encoding": "int16_le"}),
@@ -92,6 +93,12 @@ def test_shapes_relative_to_an_origin(tmp_path):
         np.testing.assert_array_equal(told.positions, np.add(far, [(0, 0), (.25, 0), (0, .25)]))
         assert told.positions.dtype == np.float64
         assert told.origin == far and told.local.dtype == np.float32
+        assert told.position_error == 0.25 / 2**24
+    of_old = shape(positions=floats(0, 0, 4, 0, 0, 4))  # who has never heard of origins
+    with serving(tmp_path, **deforming(of_old)) as address:
+        told = deform(address, of_old, ShapeOptions(relative_to_origin=True))
+        np.testing.assert_array_equal(told.positions, [(0, 0), (4, 0), (0, 4)])
+        assert told.origin == (0, 0) and told.position_error == 4 / 2**24
 
 
 def test_shapes_as_integers_and_as_bytes(tmp_path):
@@ -100,7 +107,7 @@ def test_shapes_as_integers_and_as_bytes(tmp_path):
     with serving(tmp_path, **deforming(good)) as address:
         told = deform(address, good, ShapeOptions(encoding="int16_le"))
         np.testing.assert_array_equal(told.positions, [(1, 2), (2, 2), (1, 1)])
-        assert told.local.dtype == np.int16
+        assert told.local.dtype == np.int16 and told.position_error == 0.125
     good = shape(positions=b"", packed_positions=floats(*range(6)))
     with serving(tmp_path, **deforming(good)) as address:
         told = deform(address, good, ShapeOptions(encoding="float32_le"))

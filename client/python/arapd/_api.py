@@ -80,7 +80,7 @@ class ClientMethods:
         request = message("MeshOutlineRequest")(vertex_count=vertices)
         for outline in outlines:
             request.outlines.add().points = _wire.packed(
-                model.point_array(outline, 2, "an outline"))
+                _requests.point_array(outline, 2, "an outline"))
 
         def program():
             answer = yield from _calls.call(_OUTLINE, request, message("MeshOutlineResponse"),

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _wire
-from .model import (Energy, FlattenOptions, Handle, Repair, ShapeOptions, Target, Targets,
-                    point_array)
+from .model import Energy, FlattenOptions, Handle, Repair, ShapeOptions, Target, Targets
 
 message = _wire.message
 _HandleTarget = message("HandleTarget")
@@ -28,6 +28,18 @@ def choice(enumeration: str, prefix: str, name: str | None, what: str) -> int:
                        for known, number in names.items() if number != 0)
         raise ValueError(f"{what} is {name!r}; it has to be one of {', '.join(known)}.")
     return number
+
+
+def point_array(points: ArrayLike, columns: int, name: str, dtype: str = "<f8") -> np.ndarray:
+    """`points` as an array of so many columns, or ValueError; complex numbers are two."""
+    array = np.asarray(points)
+    if columns == 2 and np.iscomplexobj(array):
+        array = np.stack([array.real, array.imag], axis=-1)
+    if array.size == 0:
+        array = array.reshape(0, columns)
+    if array.ndim != 2 or array.shape[1] != columns:
+        raise ValueError(f"{name} has the shape {array.shape}; it has to be n×{columns}.")
+    return np.ascontiguousarray(array, dtype)
 
 
 def triangle_array(triangles: Any, name: str = "triangles") -> np.ndarray:

@@ -142,7 +142,7 @@ class SessionMethods(JobMethods):
                **call: Any) -> Any:
         """One target for every handle of the set: a Shape. `picks`: n×2 points of it, at most 1024, to
         find at rest."""
-        points = model.point_array([] if picks is None else picks, 2, "picks")
+        points = _requests.point_array([] if picks is None else picks, 2, "picks")
         messages = [_requests.target_message(*item)
                     for item in _requests.targets_of(targets).items()]
         wanted = message("DeformOptions")()

@@ -76,7 +76,8 @@ def _positions(message: Any, options: model.ShapeOptions) -> tuple[np.ndarray, n
         local = check.points(message, wanted, 2, "the position of vertex")
     relative = options.encoding == "int16_le" or (options.relative_to_origin
                                                   and not options.float64)
-    if not message.origin and not relative:
+    if not message.origin and options.encoding != "int16_le":
+        # Where it was asked for too, of a server that has never heard of origins.
         return local, local, _AT_ZERO
     origin = check.run(message, "origin", "an origin")
     if origin.size != (2 if relative else 0):
@@ -118,6 +119,7 @@ def shape(message: Any, question: Question, picks: int | None,
     """`picks`: how many were asked for; None when that is not known any more. `replaced`: as it is
     counted on this side, which knows it better."""
     positions, local, origin = _positions(message, question.options)
+    scale = message.scale if question.options.encoding == "int16_le" else 1.0
     question.check_count(len(positions))
     check.finite((message.worst_handle_error, message.energy, message.mean_stretch,
                   message.max_stretch), "the quality of a shape")
@@ -126,7 +128,7 @@ def shape(message: Any, question: Question, picks: int | None,
     count = len(message.picks)
     check.count(count, min(count, check.MOST_PICKS) if picks is None else picks, "picks")
     return model.Shape(
-        positions, local, origin, question.vertices, message.sequence,
+        positions, local, origin, scale, question.vertices, message.sequence,
         message.replaced if replaced is None else replaced, message.flipped_count,
         _flipped(message, question), message.worst_handle_error, message.worst_handle_id,
         message.energy, message.mean_stretch, message.max_stretch,

@@ -17,7 +17,7 @@ from typing import Any
 import grpc
 import numpy as np
 
-from . import _answers, _calls, _replay, _shapes, _wire, faults, model
+from . import _answers, _calls, _replay, _requests, _shapes, _wire, faults, model
 from ._calls import Program
 from ._stream_parts import Begin, Changed, Next, Sent, Trouble
 from ._stream_state import METHOD, StreamState, now, over
@@ -247,5 +247,5 @@ def picks_of(points: Any) -> bytes:
 
 
 def _points(points: Any, name: str) -> bytes:
-    array: np.ndarray = model.point_array(points, 2, name)
+    array: np.ndarray = _requests.point_array(points, 2, name)
     return array.tobytes()
