@@ -38,7 +38,7 @@ function(arap_installed room)
     set(script ${PROJECT_SOURCE_DIR}/cmake/exports/${room}.map)
     target_link_options(${installed} PRIVATE -Wl,--version-script=${script} -Wl,--no-undefined)
     set_target_properties(${installed} PROPERTIES
-      OUTPUT_NAME arap_${room} LINKER_LANGUAGE CXX LINK_DEPENDS ${script}
+      OUTPUT_NAME arap_${room} LINKER_LANGUAGE CXX LINK_DEPENDS ${script} INSTALL_RPATH $ORIGIN
       VERSION ${PROJECT_VERSION} SOVERSION ${ARAP_SOVERSION})
   endif()
   set_target_properties(${installed} PROPERTIES EXPORT_NAME ${room})

@@ -132,7 +132,7 @@ case $part in
     # What is not there is said.
     ! cmake -S "$here/core" -B "$work/core-missing" -G Ninja -DCMAKE_CXX_COMPILER="$CXX" \
       -DCMAKE_PREFIX_PATH="$work/client-prefix" >"$work/missing.log" 2>&1 || die "core is not installed"
-    grep -q 'component core of arap is not' "$work/missing.log" || die "$(cat "$work/missing.log")"
+    grep -q 'component core of arap is not in' "$work/missing.log" || die "$(cat "$work/missing.log")"
     ;;
   core)
     consume core "$work/core-prefix"
