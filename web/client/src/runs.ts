@@ -16,18 +16,26 @@ type Constructor<T> = {
   BYTES_PER_ELEMENT: number;
 };
 
+// Of a run in a message that was decoded and is not read again. A view of where the bytes lie, moved by
+// up to three bytes to their boundary: the tag and the length before a run of 128 bytes and more take as
+// many, and have been read. Else a copy.
 function view<T>(bytes: Uint8Array, type: Constructor<T>): T {
   const size = type.BYTES_PER_ELEMENT;
-  if (bytes.length % size !== 0)
+  if (bytes.length % size !== 0) {
     throw new RangeError(`${bytes.length} bytes are no run of numbers of ${size} bytes`);
-  if (!swaps && bytes.byteOffset % size === 0) {
-    return new type(bytes.buffer, bytes.byteOffset, bytes.length / size);
+  }
+  const length = bytes.length / size;
+  const shift = bytes.byteOffset % size;
+  if (!swaps && (shift === 0 || (shift <= 3 && bytes.length >= 128))) {
+    const start = bytes.byteOffset - shift;
+    if (shift > 0) new Uint8Array(bytes.buffer, start, bytes.length + shift).copyWithin(0, shift);
+    return new type(bytes.buffer, start, length);
   }
   const copy = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length);
   if (swaps && size === 2) Buffer.from(copy).swap16();
   if (swaps && size === 4) Buffer.from(copy).swap32();
   if (swaps && size === 8) Buffer.from(copy).swap64();
-  return new type(copy, 0, bytes.length / size);
+  return new type(copy, 0, length);
 }
 
 export const float32Run = (bytes: Uint8Array): Float32Array => view(bytes, Float32Array);

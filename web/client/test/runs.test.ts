@@ -4,7 +4,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 
 import { loadSync } from "@grpc/proto-loader";
-import type { MessageTypeDefinition } from "@grpc/proto-loader";
+import type { MessageTypeDefinition, ServiceDefinition } from "@grpc/proto-loader";
 
 import {
   firstNonFinite,
@@ -14,12 +14,14 @@ import {
   packUint32,
   uint32Run,
 } from "../dist/runs.js";
+import { deformation } from "../dist/wire.js";
 
 // The interface as it is declared, read by protobuf.js.
 const declared = loadSync("arap/v1/deformation_service.proto", {
   includeDirs: [join(process.cwd(), "../../proto")],
 });
 const planarMesh = declared["arap.v1.PlanarMesh"] as MessageTypeDefinition<object, object>;
+const streamDeform = (declared["arap.v1.DeformationService"] as ServiceDefinition)["StreamDeform"]!;
 
 const indices = [0, 1, 127, 128, 16383, 16384, 2097151, 2097152, 268435455, 268435456, 4294967295];
 const doubles = [0, -0, 1.5, -2e-300, 1e300, Math.PI];
@@ -47,7 +49,26 @@ test("doubles are packed as protobuf.js packs them, and read again wherever they
   assert.throws(() => float64Run(bytes.subarray(1)), RangeError);
 });
 
-test("a run on its boundary is a view, any other a copy", () => {
+test("a frame is a view of its message, whatever stands before it", () => {
+  for (let ahead = 0; ahead < 5; ahead++) {
+    const numbers = Float32Array.from({ length: 40 }, (_, i) => i / 8 - 2);
+    const shape = {
+      positions: Array.from(numbers),
+      worstHandleId: "hand",
+      sequence: 7,
+      energy: 2.5,
+    };
+    const body = streamDeform.responseSerialize({ shape });
+    const message = Buffer.concat([Buffer.alloc(ahead), body]).subarray(ahead);
+    const answer = deformation.StreamDeform.responseDeserialize(message).shape!;
+    const frame = float32Run(answer.positions);
+    assert.equal(frame.buffer, message.buffer);
+    assert.deepEqual(frame, numbers);
+    assert.deepEqual([answer.worstHandleId, answer.sequence, answer.energy], ["hand", 7, 2.5]);
+  }
+});
+
+test("a run on its boundary is a view, any other short one a copy", () => {
   const block = new Uint8Array(40);
   assert.equal(float32Run(block.subarray(4, 12)).buffer, block.buffer);
   const copy = float32Run(block.subarray(5, 13));
