@@ -154,6 +154,17 @@ void PutDeformation(const Seeds& seeds) {
   seeds.Put("handles", "depth_beyond_float", Call(0, deep) + Call(2, v1::GetHandleSetRequest()));
   seeds.Put("deform", "plain", Call(0, DeformRequestOf(false)));
   seeds.Put("deform", "everything", Call(0, DeformRequestOf(true)));
+  v1::DeformRequest some = DeformRequestOf(false);
+  some.mutable_options()->set_encoding(v1::POSITION_ENCODING_INT16_LE);
+  for (const std::uint32_t vertex : {7u, 2u, 11u})
+    some.mutable_options()->add_vertex_subset(vertex);
+  seeds.Put("deform", "some_as_integers", Call(0, some));
+  some.mutable_options()->set_encoding(v1::POSITION_ENCODING_FLOAT32_LE);
+  some.mutable_options()->set_relative_to_origin(true);
+  some.mutable_options()->clear_vertex_subset();
+  some.mutable_options()->set_boundary_only(true);
+  some.mutable_targets(0)->set_x(1e39);
+  seeds.Put("deform", "boundary_as_bytes", Call(0, some));
 
   v1::DeformTrackRequest track;
   for (const char* id : {"c", "a", "b"}) track.add_handle_ids(id);
@@ -164,6 +175,12 @@ void PutDeformation(const Seeds& seeds) {
     for (int i = 0; i < 3; ++i) one.add_scales(1 + 0.1 * frame);
   }
   seeds.Put("track", "three", track.SerializeAsString());
+  *track.mutable_options() = some.options();
+  seeds.Put("track", "boundary_as_bytes", track.SerializeAsString());
+  track.mutable_options()->set_boundary_only(false);
+  track.mutable_options()->set_encoding(v1::POSITION_ENCODING_INT16_LE);
+  track.mutable_options()->add_vertex_subset(3);
+  seeds.Put("track", "one_as_integers", track.SerializeAsString());
 }
 
 void PutStreams(const Seeds& seeds) {
@@ -187,6 +204,13 @@ void PutStreams(const Seeds& seeds) {
   seeds.Put("stream", "latest", '\1' + talk);
   seeds.Put("stream", "every", '\3' + talk);
   seeds.Put("stream", "own_open", std::string(1, '\0') + Part(open) + talk);
+  // The bits that stream_targets.cc makes options of.
+  seeds.Put("stream", "boundary_as_integers", '\xb1' + talk);
+  seeds.Put("stream", "relative_bytes", '\x63' + talk);
+  open.mutable_open()->mutable_options()->add_vertex_subset(5);
+  open.mutable_open()->mutable_options()->add_vertex_subset(1);
+  open.mutable_open()->mutable_options()->set_relative_to_origin(true);
+  seeds.Put("stream", "own_subset", std::string(1, '\0') + Part(open) + talk);
 }
 
 void PutFlattening(const Seeds& seeds) {

@@ -74,7 +74,12 @@ void Stream(const std::uint8_t* data, std::size_t size) {
     open.set_session_id(kSession);
     open.set_handle_set_id(kSet);
     open.set_delivery((flags & 2u) != 0 ? v1::DELIVERY_EVERY : v1::DELIVERY_LATEST);
-    open.mutable_options()->set_refine(flags >> 2u & 3u);
+    v1::DeformOptions& options = *open.mutable_options();
+    options.set_refine(flags >> 2u & 3u);
+    // 3 is an encoding too.
+    options.set_encoding(static_cast<v1::PositionEncoding>(flags >> 4u & 3u));
+    options.set_relative_to_origin((flags & 64u) != 0);
+    options.set_boundary_only((flags & 128u) != 0);
   }
   while (!bytes.empty() && messages.size() < kMaxMessages) {
     const auto part = bytes.Part();
