@@ -1,5 +1,6 @@
 // arapctl drag: a track through a live stream, as an interactive client would.
 #include <algorithm>
+#include <cmath>
 #include <istream>
 #include <iterator>
 #include <memory>
@@ -17,6 +18,8 @@
 #include "client/cli/patience.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
+#include "core/drawing/outline.h"
+#include "core/drawing/svg.h"
 #include "core/files/mesh_file.h"
 #include "core/files/text_file.h"
 
@@ -65,16 +68,26 @@ Json ToJson(Complex point, const std::optional<Pick>& pick) {
   return json;
 }
 
+// As many digits after the point as say a millionth of the size of the mesh, wherever it lies.
+int DigitsOf(const PlanarMesh& mesh) {
+  Bounds bounds;
+  bounds.Add(mesh.vertices);
+  const double size = std::max(bounds.width(), bounds.height());
+  return size > 0 ? static_cast<int>(std::clamp(6 - std::floor(std::log10(size)), 1.0, 18.0)) : 1;
+}
+
 // Where each picked point was at rest, a line for each: "pick 3,4: rest 1,2 in triangle 7"
 // or "pick 9,9: nothing there". `picks` are as many as points.
-std::string PickLines(std::span<const Complex> points, std::span<const std::optional<Pick>> picks) {
+std::string PickLines(std::span<const Complex> points, std::span<const std::optional<Pick>> picks,
+                      const PlanarMesh& mesh) {
+  const int digits = DigitsOf(mesh);
   std::string lines;
   for (std::size_t i = 0; i < picks.size(); ++i) {
     auto out = std::back_inserter(lines);
-    fmt::format_to(out, "pick {:.6g},{:.6g}: ", points[i].real(), points[i].imag());
+    fmt::format_to(out, "pick {},{}: ", points[i].real(), points[i].imag());
     if (picks[i]) {
-      fmt::format_to(out, "rest {:.6g},{:.6g} in triangle {}\n", picks[i]->rest.real(),
-                     picks[i]->rest.imag(), picks[i]->triangle);
+      fmt::format_to(out, "rest {},{} in triangle {}\n", SvgNumber(picks[i]->rest.real(), digits),
+                     SvgNumber(picks[i]->rest.imag(), digits), picks[i]->triangle);
     } else {
       lines += "nothing there\n";
     }
@@ -145,7 +158,7 @@ Status Drag(const DragOptions& options) {
              caption, PercentilesOf(times.solve_micros).p50, times.worst_handle_error,
              times.most_flips);
   for (const EditTimes& edit : times.edits) fmt::print("{}\n", Describe(edit));
-  fmt::print("{}", PickLines(points, times.picks));
+  fmt::print("{}", PickLines(points, times.picks, stage.mesh()));
   if (shapes) CHECK_OK(shapes->Close());
   if (!options.json.empty()) CHECK_OK(WriteTextFile(options.json, TimesReport(times, points)));
   return film.Write(caption);
