@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <set>
 #include <string_view>
@@ -20,6 +21,7 @@
 #include "proto/convert/limits.h"
 #include "proto/convert/mesh.h"
 #include "proto/convert/plain.h"
+#include "proto/convert/positions.h"
 
 namespace arap::client::internal {
 namespace {
@@ -34,6 +36,12 @@ auto Bad(fmt::format_string<Arguments...> sentence, Arguments&&... arguments) {
 }
 
 bool IsFinite(Complex point) { return std::isfinite(point.real()) && std::isfinite(point.imag()); }
+
+// Far from 0 single precision would lose what lies between two floats: it is never asked for without
+// an origin.
+convert::PositionFormat FormatOf(const ShapeOptions& options) {
+  return {options.float64, !options.float64, options.encoding};
+}
 
 Status CheckFinite(std::span<const Complex> points, const char* what) {
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -173,17 +181,40 @@ Fault BadAnswer(std::string sentence) { return {FaultKind::kInternal, std::move(
 
 void ToWire(const ShapeOptions& options, v1::DeformOptions* out) {
   convert::ToWire(options.deform, out);
-  out->set_float64(options.float64);
+  convert::ToWire(FormatOf(options), out);
   out->set_include_flipped_ids(options.flipped_ids);
+  out->set_boundary_only(options.boundary_only);
+  convert::Append(options.vertex_subset, out->mutable_vertex_subset());
+}
+
+Result<std::vector<std::uint32_t>> VerticesFromWire(
+    const google::protobuf::RepeatedField<std::uint32_t>& answered, const ShapeOptions& options,
+    std::optional<MeshSize> mesh) {
+  auto vertices = convert::Values<std::uint32_t>(answered);
+  if (!options.boundary_only) {
+    if (vertices != options.vertex_subset) {
+      return Bad("The server answered positions of other vertices than were asked for.");
+    }
+    return vertices;
+  }
+  if (vertices.empty()) return Bad("The server did not answer which vertices are on the boundary.");
+  if (mesh) CHECK_OK(CheckIndices(vertices, mesh->vertices, "vertex"));
+  const auto grows = std::adjacent_find(vertices.begin(), vertices.end(), std::greater_equal<>());
+  if (grows != vertices.end()) {
+    return Bad("The server answered a boundary whose vertices do not ascend.");
+  }
+  return vertices;
 }
 
 Result<Shape> FromWire(const v1::Shape& shape, const ShapeQuestion& asked) {
-  const bool other =
-      asked.options.float64 ? shape.positions_size() > 0 : shape.positions64_size() > 0;
-  if (other) return Bad("The server answered a shape in another precision than was asked.");
   Shape out;
-  TRY(out.positions, convert::PositionsFromWire(shape));
-  if (asked.mesh && out.positions.size() != asked.mesh->vertices) {
+  TRY(auto read, convert::PositionsFromWire(shape, FormatOf(asked.options)));
+  out.positions = std::move(read.positions);
+  out.position_error = read.error;
+  out.vertices = asked.vertices;
+  if (!out.vertices.empty()) {
+    CHECK_OK(CheckCount(out.positions.size(), out.vertices.size(), "positions"));
+  } else if (asked.mesh && out.positions.size() != asked.mesh->vertices) {
     return Bad("The server answered a shape of {} vertices; the mesh has {}.", out.positions.size(),
                asked.mesh->vertices);
   }

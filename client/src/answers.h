@@ -12,11 +12,16 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "arap/base/result.h"
 #include "arap/client/client.h"
 #include "client/src/known_sizes.h"
 
+namespace google::protobuf {
+template <typename Element>
+class RepeatedField;
+}
 namespace arap::v1 {
 class DeformOptions;
 class FlattenRequest;
@@ -35,12 +40,18 @@ namespace arap::client::internal {
 // What a shape was asked to be.
 struct ShapeQuestion {
   ShapeOptions options;
-  std::optional<MeshSize> mesh;  // when it is known
+  std::optional<MeshSize> mesh = {};  // when it is known
   // As many as were asked; nothing when that is not known any more, but for the limit of picks.
   std::optional<std::size_t> picks = 0;
+  // Whose positions; empty: of all. What VerticesFromWire has answered.
+  std::vector<std::uint32_t> vertices = {};
 };
 Result<Shape> FromWire(const v1::Shape& shape, const ShapeQuestion& asked);
 void ToWire(const ShapeOptions& options, v1::DeformOptions* out);
+// The vertices that an answer says its positions are of: those that were asked for, or none for all.
+Result<std::vector<std::uint32_t>> VerticesFromWire(
+    const google::protobuf::RepeatedField<std::uint32_t>& answered, const ShapeOptions& options,
+    std::optional<MeshSize> mesh);
 
 // `mesh_id` and `sent` are what was asked for; an empty id and no mesh stand for any.
 Result<MeshInfo> FromWire(const v1::MeshInfo& mesh, const std::string& mesh_id,

@@ -41,6 +41,7 @@ DeformStream::Impl::Impl(std::shared_ptr<internal::Channel> channel,
       open_message_(std::move(open)),
       channel_(std::move(channel)),
       sizes_(std::move(sizes)),
+      asked_{options.shape},
       awaited_(options.delivery == Delivery::kEvery),
       life_(options.heartbeat, options.silence) {
   if (resumes()) log_.emplace(options_.delivery == Delivery::kLatest);
@@ -50,7 +51,7 @@ DeformStream::Impl::Impl(std::shared_ptr<internal::Channel> channel,
 Status DeformStream::Impl::Open() {
   bool lost = false;
   TRY(handle_set_, OpenCall(&lost));
-  mesh_ = sizes_->OfMesh(handle_set_.mesh_id);
+  asked_.mesh = sizes_->OfMesh(handle_set_.mesh_id);
   const MutexLock lock(&mutex_);
   waiting_since_.reset();
   open_ = true;
@@ -202,15 +203,16 @@ Result<std::optional<StreamEvent>> DeformStream::Impl::EventOf(
 }
 
 Result<std::optional<StreamEvent>> DeformStream::Impl::ShapeOf(const v1::Shape& message) {
-  std::optional<std::size_t> picks;
   {
     const MutexLock lock(&mutex_);
-    TRY(picks, awaited_.Take(message.sequence()));
+    TRY(asked_.picks, awaited_.Take(message.sequence()));
     if (Known(message.sequence(), true)) return std::optional<StreamEvent>();
   }
-  TRY(Shape shape, FromWire(message, {options_.shape, mesh_, picks}));
+  TRY(Shape shape, FromWire(message, asked_));
   // Of a mesh that was never seen, the shapes have at least one size.
-  if (!mesh_) mesh_ = {shape.positions.size(), std::numeric_limits<std::size_t>::max()};
+  if (!asked_.mesh && asked_.vertices.empty()) {
+    asked_.mesh = {shape.positions.size(), std::numeric_limits<std::size_t>::max()};
+  }
   return std::optional<StreamEvent>(std::move(shape));
 }
 
@@ -237,7 +239,10 @@ Result<HandleSetInfo> DeformStream::Impl::OpenCall(bool* lost) {
   while (Next(*call, &response)) {
     if (response.has_opened()) {
       const v1::HandleSetInfo& set = response.opened().handle_set();
-      TRY(auto info, FromWire(set, {open_message_.handle_set_id()}, sizes_->OfMesh(set.mesh_id())));
+      const auto mesh = sizes_->OfMesh(set.mesh_id());
+      TRY(auto info, FromWire(set, {open_message_.handle_set_id()}, mesh));
+      CHECK_OK(TakeVertices(
+          internal::VerticesFromWire(response.opened().vertices(), options_.shape, mesh)));
       sizes_->KnowSet(info.id, info.mesh_id);
       return info;
     }
@@ -248,6 +253,15 @@ Result<HandleSetInfo> DeformStream::Impl::OpenCall(bool* lost) {
   }
   CHECK_OK(EndOf(*call, lost));
   return Fail(FaultKind::kInternal, "The server ended the stream without opening it.");
+}
+
+Status DeformStream::Impl::TakeVertices(Result<std::vector<std::uint32_t>> answered) {
+  TRY(auto vertices, std::move(answered));
+  if (!asked_.vertices.empty() && vertices != asked_.vertices) {
+    return Fail(internal::BadAnswer("The server answered another boundary than before the loss."));
+  }
+  asked_.vertices = std::move(vertices);
+  return {};
 }
 
 Result<StreamEvent> DeformStream::Impl::Resume(Fault fault) {

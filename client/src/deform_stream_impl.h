@@ -54,6 +54,8 @@ class DeformStream::Impl {
   // A new call, opened by the server; its handle set. It is the call of the moment, but nothing is
   // pushed on it before open_. `lost` as EndOf.
   Result<HandleSetInfo> OpenCall(bool* lost);
+  // Which vertices the shapes of a new call are of: the same as those of the call before.
+  Status TakeVertices(Result<std::vector<std::uint32_t>> answered);
   // The next message, with the silence watched. False when the call is over.
   bool Next(Call& call, v1::StreamDeformResponse* response);
   // How a call that is over has ended, and whether it was lost.
@@ -88,7 +90,7 @@ class DeformStream::Impl {
   // The reader's own.
   std::shared_ptr<internal::Channel> channel_;
   const std::shared_ptr<internal::KnownSizes> sizes_;
-  std::optional<internal::MeshSize> mesh_;  // once it is known
+  internal::ShapeQuestion asked_;  // its mesh once it is known
   std::optional<Trouble> trouble_;
 
   Mutex mutex_;

@@ -162,7 +162,9 @@ Result<Shape> Session::Deform(const std::string& handle_set_id,
   convert::AppendPoints(pick_points, request.mutable_pick_points());
   TRY(const v1::DeformResponse response,
       Call(channel_->deformation(), &Stub::Deform, request, kWork, call, id_));
-  return FromWire(response.shape(), {options, sizes_->OfSet(handle_set_id), pick_points.size()});
+  const auto mesh = sizes_->OfSet(handle_set_id);
+  TRY(auto vertices, internal::VerticesFromWire(response.vertices(), options, mesh));
+  return FromWire(response.shape(), {options, mesh, pick_points.size(), std::move(vertices)});
 }
 
 }  // namespace arap::client

@@ -16,9 +16,10 @@
 namespace arap::client {
 namespace {
 
-// The next frame, which has to be the one of this number.
-Result<Shape> FrameOf(const v1::Shape& shape, const internal::ShapeQuestion& asked,
+// The next frame, which has to be the one of this number. The first says which vertices they are of.
+Result<Shape> FrameOf(const v1::DeformTrackResponse& response, internal::ShapeQuestion& asked,
                       std::size_t frame, std::size_t frames) {
+  const v1::Shape& shape = response.shape();
   if (frame >= frames) {
     return Fail(internal::BadAnswer(
         fmt::format("The server answered more frames than the {} of the track.", frames)));
@@ -26,6 +27,9 @@ Result<Shape> FrameOf(const v1::Shape& shape, const internal::ShapeQuestion& ask
   if (shape.sequence() != frame) {
     return Fail(internal::BadAnswer(fmt::format(
         "The server answered frame {} of the track where {} was due.", shape.sequence(), frame)));
+  }
+  if (frame == 0) {
+    TRY(asked.vertices, internal::VerticesFromWire(response.vertices(), asked.options, asked.mesh));
   }
   return internal::FromWire(shape, asked);
 }
@@ -52,7 +56,7 @@ Status Session::DeformTrack(const std::string& handle_set_id,
   const std::stop_callback cancel(call.stop, [&context] { context.TryCancel(); });
   internal::Impatience impatience(context, kWorkLimit);
   const auto reader = channel_->deformation().DeformTrack(&context, request);
-  const internal::ShapeQuestion asked{options, sizes_->OfSet(handle_set_id)};
+  internal::ShapeQuestion asked{options, sizes_->OfSet(handle_set_id)};
   std::optional<Fault> stop;
   v1::DeformTrackResponse response;
   std::size_t frame = 0;
@@ -60,7 +64,7 @@ Status Session::DeformTrack(const std::string& handle_set_id,
   // After a stop we still read to the end, so that the call can be finished.
   while (next()) {
     if (stop) continue;
-    Result<Shape> shape = FrameOf(response.shape(), asked, frame++, frames.size());
+    Result<Shape> shape = FrameOf(response, asked, frame++, frames.size());
     if (!shape) {
       stop = std::move(shape.error());
     } else if (!on_frame(*std::move(shape))) {

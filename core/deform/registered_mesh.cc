@@ -216,4 +216,16 @@ const EnergyOptions& RegisteredMesh::options() const { return parts_->options; }
 const RepairOptions& RegisteredMesh::repairs() const { return parts_->repairs; }
 const RegistrationReport& RegisteredMesh::report() const { return parts_->report; }
 
+std::vector<std::uint32_t> RegisteredMesh::BoundaryVertices() const {
+  std::vector<bool> on_it(mesh().vertices.size(), false);
+  for (const Edge& edge : parts_->topology.edges) {
+    if (edge.boundary()) on_it[edge.v0] = on_it[edge.v1] = true;
+  }
+  std::vector<std::uint32_t> vertices;
+  for (std::uint32_t v = 0; v < on_it.size(); ++v) {
+    if (on_it[v]) vertices.push_back(v);
+  }
+  return vertices;
+}
+
 }  // namespace arap

@@ -233,18 +233,6 @@ void ToWire(const std::optional<Pick>& pick, v1::PickResult* out) {
   Append(pick->barycentric, out->mutable_barycentric());
 }
 
-Status ToWire(std::span<const Complex> positions, bool float64, v1::Shape* out) {
-  return float64 ? PackPoints(positions, out->mutable_positions64())
-                 : PackPoints(positions, out->mutable_positions());
-}
-
-Result<std::vector<Complex>> PositionsFromWire(const v1::Shape& shape) {
-  if (shape.positions_size() % 2 != 0 || shape.positions64_size() % 2 != 0) {
-    return Fail(FaultKind::kInternal, "The server answered half a position.");
-  }
-  return shape.positions64_size() > 0 ? Points(shape.positions64()) : Points(shape.positions());
-}
-
 ShapeQuality QualityFromWire(const v1::Shape& shape) {
   ShapeQuality quality;
   quality.flipped = shape.flipped_count();

@@ -1,5 +1,5 @@
-// Deformation between the model and the wire: handles and targets, options, deformed shapes and
-// picks. Only what the model has no form for is checked here: missing anchors, lengths, unknown
+// Deformation between the model and the wire: handles and targets, options, the quality of shapes and
+// picks; their positions are in positions.h. Only what the model has no form for is checked here: missing anchors, lengths, unknown
 // values, limits of the server.
 #pragma once
 
@@ -63,12 +63,6 @@ Result<std::vector<Complex>> PicksFromWire(const google::protobuf::RepeatedField
 // Nothing for a point that lies in no triangle.
 std::optional<Pick> FromWire(const v1::PickResult& result);
 void ToWire(const std::optional<Pick>& pick, v1::PickResult* out);
-
-// Positions into a cleared `out`, in double precision or in single. kNumerical when one does not
-// fit.
-Status ToWire(std::span<const Complex> positions, bool float64, v1::Shape* out);
-// Whichever precision there is. kInternal for a length that no positions have.
-Result<std::vector<Complex>> PositionsFromWire(const v1::Shape& shape);
 
 // All but the worst handle, whose name is on the wire and not its index.
 ShapeQuality QualityFromWire(const v1::Shape& shape);

@@ -14,17 +14,18 @@ using std::chrono::nanoseconds;
 using std::chrono::seconds;
 
 template <class Number>
-Status Pack(std::span<const Complex> points, Array<Number>* out) {
+Status Pack(std::span<const Complex> points, Complex origin, Array<Number>* out) {
   constexpr auto kLargest = static_cast<double>(std::numeric_limits<Number>::max());
   out->Resize(static_cast<int>(2 * points.size()), 0);
   Number* next = out->mutable_data();
   bool finite = true;
   for (const Complex point : points) {
+    const Complex place = point - origin;
     // Written so that NaN fails too.
-    finite = finite && std::abs(point.real()) <= kLargest && std::abs(point.imag()) <= kLargest;
+    finite = finite && std::abs(place.real()) <= kLargest && std::abs(place.imag()) <= kLargest;
     if (!finite) break;
-    *next++ = static_cast<Number>(point.real());
-    *next++ = static_cast<Number>(point.imag());
+    *next++ = static_cast<Number>(place.real());
+    *next++ = static_cast<Number>(place.imag());
   }
   if (finite) return {};
   out->Clear();
@@ -45,9 +46,13 @@ void Set(seconds whole, nanoseconds rest, Message* out) {
 
 }  // namespace
 
-Status PackPoints(std::span<const Complex> points, Array<float>* out) { return Pack(points, out); }
+Status PackPoints(std::span<const Complex> points, Array<float>* out, Complex origin) {
+  return Pack(points, origin, out);
+}
 
-Status PackPoints(std::span<const Complex> points, Array<double>* out) { return Pack(points, out); }
+Status PackPoints(std::span<const Complex> points, Array<double>* out) {
+  return Pack(points, {}, out);
+}
 
 Fault UnknownValue(const std::string& field, int value) {
   return Fault(FaultKind::kInvalidOption,

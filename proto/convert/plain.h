@@ -77,9 +77,9 @@ void AppendGroups(const std::vector<std::array<From, kCount>>& groups, Array<Num
   }
 }
 
-// Positions of a result, x y x y…, in place of what `out` holds. kNumerical when one is not finite
-// in the precision of the field; `out` is then empty.
-Status PackPoints(std::span<const Complex> points, Array<float>* out);
+// Positions of a result, x y x y…, in place of what `out` holds; as floats less an origin. kNumerical
+// when one is not finite in the precision of the field; `out` is then empty.
+Status PackPoints(std::span<const Complex> points, Array<float>* out, Complex origin = {});
 Status PackPoints(std::span<const Complex> points, Array<double>* out);
 
 // kInvalidOption for a value of an enumeration that this version does not know.

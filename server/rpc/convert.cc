@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "arap/core/pick.h"
+#include "arap/core/registered_mesh.h"
 #include "core/base/names.h"
 #include "core/base/try.h"
 #include "server/flattening/flatten_jobs.h"
@@ -122,33 +123,36 @@ Result<std::vector<Target>> FromWire(const v1::DeformTrackRequest& request, std:
   return targets;
 }
 
+Result<ShapeOptions> FromWire(const v1::DeformOptions& options, const Limits& limits,
+                              const RegisteredMesh& mesh) {
+  ShapeOptions out;
+  TRY(out.deform, FromWire(options, limits.max_refine));
+  TRY(out.format, convert::FormatFromWire(options));
+  TRY(out.vertices, convert::SubsetFromWire(options, mesh.mesh().vertices.size()));
+  if (options.boundary_only()) out.vertices = mesh.BoundaryVertices();
+  out.flipped_ids = options.include_flipped_ids();
+  return out;
+}
+
 namespace {
 
-// Positions come as floats of all vertices and without an origin, which is what an empty one means.
-Status CheckAnswered(const v1::DeformOptions& options) {
-  const char* field = nullptr;
-  if (options.encoding() > v1::POSITION_ENCODING_FLOAT32) field = "options.encoding";
-  if (options.boundary_only()) field = "options.boundary_only";
-  if (options.vertex_subset_size() > 0) field = "options.vertex_subset";
-  if (field == nullptr) return {};
-  return Fail(
-      Fault(FaultKind::kUnimplemented, fmt::format("{} is not there yet.", field)).Field(field));
+Status PositionsToWire(std::span<const Complex> positions, const ShapeOptions& options,
+                       v1::Shape* out) {
+  if (options.vertices.empty()) return convert::ToWire(positions, options.format, out);
+  std::vector<Complex> chosen;
+  chosen.reserve(options.vertices.size());
+  for (const std::uint32_t v : options.vertices) chosen.push_back(positions[v]);
+  return convert::ToWire(std::span<const Complex>(chosen), options.format, out);
 }
 
 }  // namespace
-
-Result<ShapeOptions> FromWire(const v1::DeformOptions& options, const Limits& limits) {
-  CHECK_OK(CheckAnswered(options));
-  TRY(const DeformOptions deform, FromWire(options, limits.max_refine));
-  return ShapeOptions{deform, options.float64(), options.include_flipped_ids()};
-}
 
 Status ToWire(const app::LiveSet& set, const ShapeQuality& quality, const ShapeOptions& options,
               std::span<const Complex> picks, const CancelToken& cancel, const ShapeTimes& times,
               v1::Shape* out, std::size_t lane) {
   const Deformer& deformer = set.deformer();
   const std::span<const Complex> positions = deformer.positions(lane);
-  CHECK_OK(ToWire(positions, options.float64, out));
+  CHECK_OK(PositionsToWire(positions, options, out));
   ToWire(quality, out);
   const auto& handles = deformer.handles()->handles();
   if (!handles.empty()) out->set_worst_handle_id(handles[quality.worst_handle].handle.id);

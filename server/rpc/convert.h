@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -14,11 +15,15 @@
 #include "proto/convert/flatten.h"
 #include "proto/convert/mesh.h"
 #include "proto/convert/plain.h"
+#include "proto/convert/positions.h"
 #include "proto/convert/status.h"
 #include "server/runtime/clock.h"
 #include "server/sessions/session.h"
 #include "server/streams/targets.h"
 
+namespace arap {
+class RegisteredMesh;
+}
 namespace arap::v1 {
 class CreateSessionRequest;
 class DeformTrackRequest;
@@ -36,6 +41,7 @@ struct MeshEntry;
 
 namespace arap::rpc {
 
+using convert::Append;
 using convert::FromWire;
 using convert::PicksFromWire;
 using convert::SetMicros;
@@ -71,12 +77,18 @@ Result<std::vector<Target>> FromWire(const v1::DeformTrackRequest& request, std:
 // How to deform and what to answer.
 struct ShapeOptions {
   DeformOptions deform;
-  bool float64 = false;
+  convert::PositionFormat format;
+  std::vector<std::uint32_t> vertices;  // whose positions, in this order; none stand for all
   bool flipped_ids = false;
+
+  // What it holds beside itself.
+  std::size_t bytes() const { return vertices.size() * sizeof(vertices.front()); }
 };
 
-// kInvalidOption: an unknown mode, or refine above the limit.
-Result<ShapeOptions> FromWire(const v1::DeformOptions& options, const Limits& limits);
+// kInvalidOption: an unknown mode, or refine above the limit; the faults of FormatFromWire and
+// SubsetFromWire.
+Result<ShapeOptions> FromWire(const v1::DeformOptions& options, const Limits& limits,
+                              const RegisteredMesh& mesh);
 
 // How long a shape waited and, with others that were computed together, is being worked on.
 struct ShapeTimes {

@@ -175,12 +175,13 @@ Status Deform(app::Engine& engine, const v1::DeformRequest& request, const Call&
   TRY(const auto session, SessionOf(engine, call, request.session_id()));
   TRY(auto entry,
       app::WarmHandleSet(engine, call.caller, *session, request.handle_set_id(), call.cancel));
-  TRY(const auto options, FromWire(request.options(), engine.limits));
+  TRY(const auto options, FromWire(request.options(), engine.limits, *entry.handles->mesh()));
   TRY(const auto picks, PicksFromWire(request.pick_points()));
   TRY(const auto targets, app::CompleteTargets(*entry.handles, FromWire(request.targets())));
 
   app::LiveSet set(std::move(entry));
   TRY(const auto quality, set.Move(targets, options.deform, engine.metrics, call.cancel));
+  Append(options.vertices, response->mutable_vertices());
   return ToWire(set, quality, options, picks, call.cancel, {call.queue_micros, working},
                 response->mutable_shape());
 }

@@ -259,7 +259,9 @@ class StreamReactor final
     app::LiveHandles set;
     const Status opened = OrOutOfMemory([&]() -> Status {
       CHECK_OK(Open());
-      ToWire(live_->entry(), answer->message.mutable_opened()->mutable_handle_set());
+      v1::StreamOpened& message = *answer->message.mutable_opened();
+      ToWire(live_->entry(), message.mutable_handle_set());
+      Append(options_.vertices, message.mutable_vertices());
       set = {live_->entry().handles, live_->entry().handles->RestTargets()};
       return {};
     });
@@ -277,7 +279,8 @@ class StreamReactor final
   Status Open() {
     TRY(auto entry, app::WarmHandleSet(engine_, caller_, *session_, open_.handle_set_id(),
                                        CancelTokenOf(context_)));
-    TRY(options_, FromWire(open_.options(), engine_.limits));
+    TRY(options_, FromWire(open_.options(), engine_.limits, *entry.handles->mesh()));
+    open_.clear_options();
     if (!v1::Delivery_IsValid(open_.delivery())) {
       return Fail(Fault(FaultKind::kInvalidOption,
                         "open.delivery has a value that this version does not know.")
@@ -289,7 +292,8 @@ class StreamReactor final
       const MutexLock lock(&mutex_);
       CHECK_OK(policy_.AdmitFrames(seconds));
     }
-    TRY(live_room_, engine_.derived.Reserve(caller_, app::LiveSet::BytesOf(*entry.handles, 1)));
+    TRY(live_room_, engine_.derived.Reserve(
+                        caller_, app::LiveSet::BytesOf(*entry.handles, 1) + options_.bytes()));
     end_listener_ = session_->AddEndListener(
         [weak = weak_from_this(), ended = app::NotFound("session", open_.session_id())] {
           if (const auto self = weak.lock()) self->End(ended);
@@ -327,14 +331,14 @@ class StreamReactor final
       const std::vector<std::string> remove(edit_.remove().begin(), edit_.remove().end());
       const CancelToken cancel = CancelTokenOf(context_);
       TRY(const arap::Cost cost, app::EditCostOf(entry, remove, add, engine_.limits, cancel));
-      TRY(auto room,
-          engine_.derived.Reserve(caller_, app::LiveSet::BytesOf(*entry.handles, 1) + cost.bytes));
+      TRY(auto room, engine_.derived.Reserve(caller_, app::LiveSet::BytesOf(*entry.handles, 1) +
+                                                          options_.bytes() + cost.bytes));
       TRY(auto edited, live_->Edited(remove, add, job_.targets, options_.deform, engine_.limits,
                                      cancel, engine_.metrics));
       CHECK_OK(ToWire(edited.set, edited.quality, options_, {}, cancel, {queue_micros, working},
                       answer->message.mutable_shape()));
       const CompiledHandles& handles = *edited.set.entry().handles;
-      room.Shrink(app::LiveSet::BytesOf(handles, 1) + handles.bytes());
+      room.Shrink(app::LiveSet::BytesOf(handles, 1) + options_.bytes() + handles.bytes());
       live_room_ = std::move(room);
       return edited;
     });

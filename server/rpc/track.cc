@@ -110,7 +110,7 @@ class TrackReactor final : public LongAnswer<v1::DeformTrackRequest, v1::DeformT
     TRY(const auto session, engine_.sessions.Use(caller_.owner, request_.session_id()));
     TRY(auto entry,
         app::WarmHandleSet(engine_, caller_, *session, request_.handle_set_id(), cancel_));
-    TRY(options_, FromWire(request_.options(), engine_.limits));
+    TRY(options_, FromWire(request_.options(), engine_.limits, *entry.handles->mesh()));
     const auto count = static_cast<std::size_t>(request_.frames_size());
     const std::size_t limit = engine_.limits.max_track_frames;
     if (count > limit) {
@@ -129,8 +129,8 @@ class TrackReactor final : public LongAnswer<v1::DeformTrackRequest, v1::DeformT
       if (auto targets = TargetsOf(i); !targets) return Fail(std::move(targets.error()));
       CHECK_OK(cancel_.Check());
     }
-    TRY(live_room_,
-        engine_.derived.Reserve(caller_, app::LiveSet::BytesOf(*entry.handles, kLanes)));
+    TRY(live_room_, engine_.derived.Reserve(
+                        caller_, app::LiveSet::BytesOf(*entry.handles, kLanes) + options_.bytes()));
     frames_seconds_ = kLanes * EstimateFrame(*entry.handles, options_.deform).seconds();
     live_.emplace(std::move(entry), kLanes);
     return {};
@@ -172,6 +172,7 @@ class TrackReactor final : public LongAnswer<v1::DeformTrackRequest, v1::DeformT
       if (!good) return Fail(AtFrame(std::move(good.error()), first + i));
       shape.set_sequence(first + i);
     }
+    if (first == 0) Append(options_.vertices, responses.front().mutable_vertices());
     return responses;
   }
 

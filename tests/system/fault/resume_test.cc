@@ -152,6 +152,26 @@ TEST_P(ResumeTest, AfterADrainToo) {
   EXPECT_EQ(End(*stream).positions, expected.positions);
 }
 
+TEST_P(ResumeTest, EncodingAndVerticesAreAskedForAgain) {
+  Start();
+  client::StreamOptions options = Resuming();
+  options.shape.encoding = client::PositionEncoding::kInt16Le;
+  options.shape.boundary_only = true;
+  auto stream = session_->OpenStream("h", options, {.timeout = seconds(60)});
+  ASSERT_TRUE(stream) << stream.error().message;
+  ASSERT_TRUE(stream->Send({1, {{"r", {{8, 3}}}}, {}, {}}));
+  const auto before = Next<client::Shape>(*stream);
+  EXPECT_EQ(before.vertices.size(), 32u);
+  server_->Kill();
+  ASSERT_TRUE(server_->Start());
+  EXPECT_GE(Next<client::Resumed>(*stream).attempts, 1u);
+  ASSERT_TRUE(stream->Send({2, {{"r", {{8, 3}}}}, {}, {}}));
+  const auto after = Next<client::Shape>(*stream);
+  EXPECT_EQ(after.vertices, before.vertices);
+  EXPECT_EQ(after.positions, before.positions);
+  EXPECT_EQ(after.position_error, before.position_error);
+}
+
 TEST_P(ResumeTest, GivesUpInTime) {
   Start();
   auto stream = Open(Resuming(milliseconds(300)));

@@ -116,7 +116,8 @@ class DeformStream {
   // Waits for the next event. Empty: the stream ended well. A fault: it is broken, the server sent
   // what was not asked for (kInternal), or it could not be resumed in time; reads after either
   // repeat it. A shape answers an update or edit that was sent, in their order, with as many
-  // vertices as the mesh has (or as the first shape, of a mesh that the session has never seen).
+  // vertices as were asked for or else as the mesh has (or as the first shape, of a mesh that the
+  // session has never seen).
   Result<std::optional<StreamEvent>> Read();
 
   // Ends the stream at once; a waiting Read answers kCancelled.

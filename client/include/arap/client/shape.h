@@ -7,24 +7,39 @@
 #include <vector>
 
 #include "arap/model/deform.h"
+#include "arap/model/encoding.h"
 
 namespace arap::client {
 
 using arap::DeformMode;
 using arap::DeformOptions;
 using arap::Pick;
+using arap::PositionEncoding;
 using arap::ShapeQuality;
 
 // How to deform, and how to answer.
 struct ShapeOptions {
   DeformOptions deform = {};
-  bool float64 = false;      // positions in double precision on the wire, else in single
+  // Positions in double precision on the wire. Else they are relative to the middle of the shape, so
+  // that they are as exact at map coordinates as at 0: off by 6e-8 of half the size of the shape at
+  // most, or by what `encoding` says.
+  bool float64 = false;
   bool flipped_ids = false;  // also answer the ids of flipped triangles
+  // How positions travel; not with float64. kInt16Le takes half the bytes of the others and is off by
+  // up to 1/131068 of the longer side of the box around the shape.
+  PositionEncoding encoding = PositionEncoding::kFloat32;
+  // Only the positions of some vertices: those on the boundary by ascending index, or these in this
+  // order, none of them twice. Not both.
+  bool boundary_only = false;
+  std::vector<std::uint32_t> vertex_subset = {};
 };
 
 // A deformed mesh and how good it is.
 struct Shape {
-  std::vector<Complex> positions;  // #V; float values unless float64 was asked
+  std::vector<Complex> positions;  // #V, or as many as `vertices`; units of the mesh
+  std::vector<std::uint32_t>
+      vertices;               // which they are of, when not all were asked for; else empty
+  double position_error = 0;  // how far a coordinate may be off by its way over the wire
   // quality.worst_handle is 0: the server names the handle with the worst error, by its id.
   ShapeQuality quality;
   std::string worst_handle_id;             // empty without handles

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -57,6 +58,8 @@ class RegisteredMesh {
   const PlanarMesh& mesh() const;
   const EnergyOptions& options() const;
   const RepairOptions& repairs() const;
+  // The vertices of edges with one triangle, ascending; of welded ones the lowest. O(#V + #E).
+  std::vector<std::uint32_t> BoundaryVertices() const;
   // Counts, measures, warnings, and the bytes that the factors and tables hold.
   const RegistrationReport& report() const;
 
