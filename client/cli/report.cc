@@ -1,9 +1,7 @@
 #include "client/cli/report.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
 #include <utility>
 
@@ -12,57 +10,9 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "core/base/code_point.h"
+
 namespace arap::cli {
-
-namespace {
-
-// The code point at the beginning of a text that is not empty, and how many bytes it has; bytes that
-// are no UTF-8 stand for themselves, one by one.
-struct CodePoint {
-  std::uint32_t value = 0;
-  std::size_t length = 1;
-  bool valid = false;
-
-  explicit CodePoint(std::string_view text) {
-    const auto at = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-    value = at(0);
-    valid = value < 0x80;
-    if (value < 0xc2 || value > 0xf4) return;
-    const std::size_t count = value < 0xe0 ? 2 : value < 0xf0 ? 3 : 4;
-    if (text.size() < count) return;
-    std::uint32_t whole = value & (0x7fU >> count);
-    for (std::size_t i = 1; i < count; ++i) {
-      if ((at(i) & 0xc0U) != 0x80) return;
-      whole = whole << 6U | (at(i) & 0x3fU);
-    }
-    constexpr std::array<std::uint32_t, 5> kLeast{0, 0, 0x80, 0x800, 0x10000};
-    if (whole < kLeast[count] || whole > 0x10ffff || (whole >= 0xd800 && whole < 0xe000)) return;
-    value = whole;
-    length = count;
-    valid = true;
-  }
-
-  // Neither a control character, nor one that is not seen or changes how others are shown.
-  bool IsHarmless() const {
-    struct Range {
-      std::uint32_t first, last;
-    };
-    constexpr std::array<Range, 9> kHarmful{{{0, 0x1f},
-                                             {0x7f, 0x9f},
-                                             {0xad, 0xad},
-                                             {0x61c, 0x61c},
-                                             {0x200b, 0x200f},
-                                             {0x2028, 0x202e},
-                                             {0x2060, 0x206f},
-                                             {0xfeff, 0xfeff},
-                                             {0xe0000, 0xe0fff}}};
-    return valid && std::none_of(kHarmful.begin(), kHarmful.end(), [this](const Range& range) {
-             return value >= range.first && value <= range.last;
-           });
-  }
-};
-
-}  // namespace
 
 std::string Printable(std::string_view text) {
   constexpr std::size_t kMost = 2000;

@@ -6,16 +6,10 @@
 #include <vector>
 
 #include "arap/base/result.h"
+#include "arap/model/drawing.h"
 #include "core/drawing/outline.h"
 
 namespace arap {
-
-// How the allowance goes round a corner that points outwards.
-enum class Corners {
-  kMitre,   // the sides go on until they meet; sharp corners are cut off at twice the width
-  kSquare,  // cut off at the width
-  kRound,   // an arc, within 0.01 of a unit or 1/1000 of the width
-};
 
 // What the borders of a drawing may cost together, in pairs of edges that are looked at; a crossing
 // counts a thousand. Enough for half a million points, not for a scribble.

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <initializer_list>
 #include <iterator>
 #include <string>
@@ -9,6 +10,8 @@
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "core/base/code_point.h"
 
 namespace arap {
 namespace {
@@ -216,24 +219,28 @@ void WriteLine(const PatternLine& line, int owner, Writer& out) {
   for (const Complex p : line.points) out.Point(10, p);
 }
 
+bool IsKnown(const CodePoint& point) {
+  constexpr std::uint32_t kLast = 0xffff;  // four digits
+  return point.IsHarmless() && point.value <= kLast;
+}
+
 // UTF-8 as the format has it, where characters beyond ASCII are \U+ and four digits; what has none is
-// a question mark, and so is what would end the line.
+// a question mark, and so is what would end the line. What would be read as a code is kept from it:
+// ^ has a space behind it, and %% one between.
 std::string Escaped(std::string_view text) {
   std::string out;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    if (byte < 0x80) {
-      out += byte < 0x20 || byte == 0x7f ? '?' : text[i];
-      continue;
+  while (!text.empty()) {
+    const CodePoint point(text);
+    if (!IsKnown(point)) {
+      out += '?';
+    } else if (point.value >= 0x80 || point.value == '\\') {
+      fmt::format_to(std::back_inserter(out), "\\U+{:04X}", point.value);
+    } else {
+      if (text.front() == '%' && out.ends_with('%')) out += ' ';
+      out += text.front();
+      if (text.front() == '^') out += ' ';
     }
-    const std::size_t more = byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : byte >= 0xc0 ? 1 : 0;
-    unsigned code = more == 0 ? 0 : byte & (0x3fU >> more);
-    std::size_t read = 0;
-    while (read < more && i + 1 < text.size() && (text[i + 1] & 0xc0) == 0x80) {
-      code = code << 6 | (static_cast<unsigned char>(text[++i]) & 0x3fU);
-      ++read;
-    }
-    out += more == 0 || read < more || code > 0xffff ? "?" : fmt::format("\\U+{:04X}", code);
+    text.remove_prefix(point.length);
   }
   return out;
 }
@@ -264,6 +271,15 @@ void WriteObjects(Writer& out) {
 }
 
 }  // namespace
+
+bool DxfShows(std::string_view text) {
+  while (!text.empty()) {
+    const CodePoint point(text);
+    if (!IsKnown(point)) return false;
+    text.remove_prefix(point.length);
+  }
+  return true;
+}
 
 std::string FormatDxf(const Pattern& pattern) {
   const int digits = DigitsFor(pattern) + 3;

@@ -22,6 +22,20 @@ void AppendLine(const PageLine& line, double height, int digits, std::string& ou
   out += line.closed ? "Z\"/>\n" : "\"/>\n";
 }
 
+// The stroke closes the hairlines between neighbours.
+void AppendArea(const PageArea& area, double height, int digits, std::string& out) {
+  fmt::format_to(std::back_inserter(out),
+                 R"(<path fill="#{0:06x}" stroke="#{0:06x}" stroke-width="0.1" d=")", area.rgb);
+  for (const auto& triangle : area.triangles) {
+    for (const Complex p : triangle) {
+      fmt::format_to(std::back_inserter(out), "{}{} {}", &p == &triangle.front() ? "M" : "L",
+                     SvgNumber(p.real(), digits), SvgNumber(height - p.imag(), digits));
+    }
+    out += 'Z';
+  }
+  out += "\"/>\n";
+}
+
 }  // namespace
 
 std::string FormatPageSvg(const Page& page, int digits) {
@@ -36,6 +50,7 @@ std::string FormatPageSvg(const Page& page, int digits) {
                  SvgNumber(page.height - page.window.max_y, digits),
                  SvgNumber(page.window.width(), digits), SvgNumber(page.window.height(), digits));
   out += "<g id=\"drawing\" clip-path=\"url(#window)\" fill=\"none\" stroke-linejoin=\"round\">\n";
+  for (const PageArea& area : page.areas) AppendArea(area, page.height, digits, out);
   for (const PageLine& line : page.drawing) AppendLine(line, page.height, digits, out);
   out += "</g>\n<g id=\"page\" fill=\"none\">\n";
   for (const PageLine& line : page.lines) AppendLine(line, page.height, digits, out);

@@ -1,6 +1,8 @@
 // Pages to print: what is on them, and as an SVG.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -22,6 +24,12 @@ struct PageLine {
   std::vector<Complex> points;
 };
 
+// Triangles of one colour.
+struct PageArea {
+  std::uint32_t rgb = 0;
+  std::vector<std::array<Complex, 3>> triangles;
+};
+
 // One line of text; `at` is the left end of its base line.
 struct PageText {
   Complex at;
@@ -31,8 +39,10 @@ struct PageText {
 
 // Millimetres from the lower left corner, y up.
 struct Page {
+  std::size_t number = 0;  // among those of a sheet, 0: its cover or all of it
   double width = 0, height = 0;
-  Bounds window;                  // what `drawing` shows through
+  Bounds window;                  // what `areas` and `drawing` show through
+  std::vector<PageArea> areas;    // below everything else
   std::vector<PageLine> drawing;  // at true size
   std::vector<PageLine> lines;    // frame, marks and the like
   std::vector<PageText> texts;

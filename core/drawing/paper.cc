@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/names.h"
 #include "core/drawing/pdf.h"
 
 namespace arap {
@@ -41,9 +42,9 @@ Result<Paper> ParsePaper(std::string_view text) {
     return Paper{sides[0], sides[1], false};
   }
   return Fail(Fault(FaultKind::kInvalidOption,
-                    fmt::format("The paper '{}' is none of A0 to A5, letter, legal, tabloid, or "
+                    fmt::format("The paper {} is none of A0 to A5, letter, legal, tabloid, or "
                                 "WIDTHxHEIGHT with {:.0f} to {:.0f} mm.",
-                                text, kSmallest, kLargestPdfPage))
+                                Quote(text), kSmallest, kLargestPdfPage))
                   .Field("paper"));
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <compare>
 #include <cstddef>
 #include <iterator>
 #include <optional>
@@ -11,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
+#include "core/drawing/allowance.h"
 #include "core/drawing/arrange.h"
 #include "core/drawing/notches.h"
 
@@ -95,28 +97,67 @@ std::vector<std::uint32_t> Pieces(const Flattening& flat) {
   return pieces;
 }
 
+// The flat positions that are drawn, by the vertex that each is a copy of and by piece.
+class Copies {
+ public:
+  struct Copy {
+    std::uint32_t vertex = 0, piece = 0, position = 0;
+    auto operator<=>(const Copy&) const = default;
+  };
+
+  Copies(const Flattening& flat, std::span<const std::uint32_t> pieces) {
+    for (std::uint32_t u = 0; u < pieces.size(); ++u) {
+      if (pieces[u] != kNoPiece) copies_.push_back({flat.source[u], pieces[u], u});
+    }
+    std::sort(copies_.begin(), copies_.end());
+  }
+
+  std::span<const Copy> Of(std::uint32_t vertex) const {
+    return Between({vertex, 0, 0}, {vertex, UINT32_MAX, UINT32_MAX});
+  }
+  // A slit doubles a vertex on one piece; of very many such copies the first ones.
+  std::span<const Copy> Of(std::uint32_t vertex, std::uint32_t piece) const {
+    constexpr std::size_t kMost = 1000;
+    const auto all = Between({vertex, piece, 0}, {vertex, piece, UINT32_MAX});
+    return all.first(std::min(all.size(), kMost));
+  }
+
+ private:
+  std::span<const Copy> Between(const Copy& first, const Copy& last) const {
+    const auto begin = std::lower_bound(copies_.begin(), copies_.end(), first);
+    return {begin, std::upper_bound(begin, copies_.end(), last)};
+  }
+
+  std::vector<Copy> copies_;
+};
+
 // The flat positions that a grain line goes between. Seams double vertices: of the copies on one
-// chart, those that point best where they were asked to.
-std::optional<std::pair<std::uint32_t, std::uint32_t>> EndsOf(
-    const GrainLine& line, const Flattening& flat, std::span<const std::uint32_t> pieces) {
+// piece, those that point best where they were asked to.
+std::optional<std::pair<std::uint32_t, std::uint32_t>> EndsOf(GrainLine line,
+                                                              const Flattening& flat,
+                                                              const Copies& copies) {
+  if (!flat.welded.empty()) {
+    line.from = flat.welded[line.from];
+    line.to = flat.welded[line.to];
+  }
   const Complex wanted = std::polar(1.0, line.angle);
   std::optional<std::pair<std::uint32_t, std::uint32_t>> best;
   double best_cosine = -2;
-  const auto copies = [&](std::uint32_t vertex) {
-    std::vector<std::uint32_t> found;
-    for (std::uint32_t u = 0; u < pieces.size(); ++u) {
-      if (flat.source[u] == vertex && pieces[u] != kNoPiece) found.push_back(u);
-    }
-    return found;
-  };
-  const auto ends = copies(line.to);
-  for (const std::uint32_t from : copies(line.from)) {
-    for (const std::uint32_t to : ends) {
-      const Complex along = flat.uv[to] - flat.uv[from];
-      if (pieces[from] != pieces[to] || along == 0.0) continue;
-      const double cosine = (std::conj(wanted) * along).real() / std::abs(along);
-      if (cosine > best_cosine) best = {from, to};
-      best_cosine = std::max(cosine, best_cosine);
+  // Of a vertex that many pieces meet in, only those with the other end are looked at.
+  const auto few = std::min(copies.Of(line.from), copies.Of(line.to),
+                            [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  std::uint32_t done = kNoPiece;
+  for (const Copies::Copy& copy : few) {
+    if (copy.piece == done) continue;
+    done = copy.piece;
+    for (const auto& from : copies.Of(line.from, copy.piece)) {
+      for (const auto& to : copies.Of(line.to, copy.piece)) {
+        const Complex along = flat.uv[to.position] - flat.uv[from.position];
+        if (along == 0.0) continue;
+        const double cosine = (std::conj(wanted) * along).real() / std::abs(along);
+        if (cosine > best_cosine) best = {from.position, to.position};
+        best_cosine = std::max(cosine, best_cosine);
+      }
     }
   }
   return best;
@@ -160,10 +201,12 @@ std::vector<Warning> LostWarnings(std::span<const std::optional<double>> lost, d
   return warnings;
 }
 
-Status AddAllowance(const Flattening& flat, const PatternOptions& options, Pattern& pattern) {
+Status AddAllowance(const Flattening& flat, const PatternOptions& options,
+                    const CancelToken& cancel, Pattern& pattern) {
   std::vector<std::optional<double>> lost;
   BorderBudget budget;
   for (std::size_t c = 0; c < flat.charts.size(); ++c) {
+    CHECK_OK(cancel.Check());
     std::vector<Ring> rings;
     for (const Loop& loop : flat.charts[c].loops) {
       Ring& ring = rings.emplace_back();
@@ -198,13 +241,19 @@ std::array<Complex, 3> ArrowHead(const PatternLine& line, double length) {
   return {tip + back * std::polar(1.0, 0.4), tip, tip + back * std::polar(1.0, -0.4)};
 }
 
-Result<Pattern> MakePattern(const Flattening& flat, const PatternOptions& options) {
+Result<Pattern> MakePattern(const Flattening& flat, const PatternOptions& options,
+                            const CancelToken& cancel) {
   Pattern pattern;
   pattern.points = flat.uv;
   for (Complex& p : pattern.points) p *= options.millimetres_per_unit;
   pattern.piece_of = Pieces(flat);
   pattern.triangles = flat.corner_uv;
   pattern.singular_values = flat.singular_values;
+  // As answers have them, so that what is drawn of an answer is what the server draws.
+  for (auto& [s1, s2] : pattern.singular_values) {
+    s1 = static_cast<float>(s1);
+    s2 = static_cast<float>(s2);
+  }
   const EdgeSet cuts(flat.cuts);
   DrawnCuts drawn;
   for (const FlatChart& chart : flat.charts) {
@@ -222,20 +271,26 @@ Result<Pattern> MakePattern(const Flattening& flat, const PatternOptions& option
     piece.name = options.names[i];
     if (piece.name.empty()) continue;
     const Bounds& box = piece.box;
-    constexpr double kLetters = 5;
+    // A letter is about half as wide as high.
+    constexpr double kLetters = 5, kLetterWidth = 0.6;
+    const double longest = box.width() / (kLetterWidth * static_cast<double>(piece.name.size()));
     piece.labels.push_back({{(box.min_x + box.max_x) / 2, (box.min_y + box.max_y) / 2},
-                            std::min(kLetters, std::min(box.width(), box.height()) / 5),
-                            piece.name});
+                            std::min({kLetters, box.height() / 5, longest}),
+                            piece.name,
+                            /*is_name=*/true});
   }
-  for (const GrainLine& line : options.grain_lines) {
-    if (const auto ends = EndsOf(line, flat, pattern.piece_of)) {
+  if (!options.grain_lines.empty()) {
+    const Copies copies(flat, pattern.piece_of);
+    for (const GrainLine& line : options.grain_lines) {
+      const auto ends = EndsOf(line, flat, copies);
+      if (!ends) continue;
       PatternPiece& piece = pattern.pieces[pattern.piece_of[ends->first]];
       piece.lines.push_back({LineKind::kGrain,
                              /*closed=*/false,
                              {pattern.points[ends->first], pattern.points[ends->second]}});
     }
   }
-  if (options.allowance > 0) CHECK_OK(AddAllowance(flat, options, pattern));
+  if (options.allowance > 0) CHECK_OK(AddAllowance(flat, options, cancel, pattern));
   if (options.notches) AddNotches(flat, options.allowance, pattern);
   if (options.sheet_width > 0) {
     CHECK_OK(PackRoll(options.sheet_width, pattern));

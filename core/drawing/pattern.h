@@ -8,8 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "arap/base/cancel.h"
+#include "arap/base/result.h"
+#include "arap/model/drawing.h"
 #include "arap/model/flatten.h"
-#include "core/drawing/allowance.h"
 #include "core/drawing/outline.h"
 
 namespace arap {
@@ -34,6 +36,7 @@ struct PatternLabel {
   Complex at;  // its middle
   double height = 3;
   std::string text;
+  bool is_name = false;  // of the piece, which plain drawings have not
 };
 
 struct PatternPiece {
@@ -50,7 +53,7 @@ struct Pattern {
   std::vector<Complex> points;                         // #U, the flat positions
   std::vector<std::uint32_t> piece_of;                 // #U, or kNoPiece
   std::vector<Triangle> triangles;                     // #F, into points
-  std::vector<std::array<double, 2>> singular_values;  // #F, or empty
+  std::vector<std::array<double, 2>> singular_values;  // #F in single precision, or empty
   // Elements are pieces: "allowance_lost" (it runs into the piece or closes a gap of it) and
   // "allowance_unchecked" (that cannot be told).
   std::vector<Warning> warnings;
@@ -77,8 +80,10 @@ std::array<Complex, 3> ArrowHead(const PatternLine& line, double length);
 
 // With an allowance, pieces that would come too close are set out in rows. `flat` is finite and its
 // indices are there. kInvalidOption when an outline crosses itself too often to have an allowance,
-// or a piece is too large for the roll. O(#U log #U) without an allowance.
-Result<Pattern> MakePattern(const Flattening& flat, const PatternOptions& options);
+// or a piece is too large for the roll; the fault of `cancel`, which is asked between pieces.
+// O(#U log #U) without an allowance.
+Result<Pattern> MakePattern(const Flattening& flat, const PatternOptions& options,
+                            const CancelToken& cancel = {});
 
 // How many digits after the point show the smallest piece to a ten-thousandth of its size: 3 where
 // all are larger than 10 mm, at most 9.

@@ -100,11 +100,12 @@ std::string Paths(const Pattern& pattern, LineKind kind, const SheetFrame& page)
   return out;
 }
 
-std::string Labels(const Pattern& pattern, const SheetFrame& page) {
+std::string Labels(const Pattern& pattern, bool plain, const SheetFrame& page) {
   constexpr double kRise = 0.36;  // of the height, from the middle of capitals to the base line
   std::string out;
   for (const PatternPiece& piece : pattern.pieces) {
     for (const PatternLabel& label : piece.labels) {
+      if (plain && label.is_name) continue;
       const Complex at = page.Seen(label.at - Complex(0, kRise * label.height));
       fmt::format_to(std::back_inserter(out),
                      "<text x=\"{}\" y=\"{}\" font-size=\"{}\">{}</text>\n",
@@ -181,7 +182,7 @@ std::string FormatPattern(const Pattern& pattern, const PatternSheet& sheet) {
 
   body += Group("notch", Stroke("#2b2622", 0.35 * stroke), Paths(pattern, LineKind::kNotch, page));
   body += Group("label", "text-anchor=\"middle\" font-family=\"sans-serif\" fill=\"#2b2622\"",
-                Labels(pattern, page));
+                Labels(pattern, !sheet.strain, page));
 
   std::string ground;
   double width = page.width(), height = page.height();

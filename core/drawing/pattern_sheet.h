@@ -10,7 +10,7 @@ namespace arap {
 
 struct PatternSheet {
   // Colour the triangles by strain, with a ground, a legend and the caption. Without it there is
-  // nothing besides the lines.
+  // nothing besides the lines, and no names.
   bool strain = true;
   bool interior = false;  // draw the edges inside
   std::vector<std::string> caption;

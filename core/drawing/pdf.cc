@@ -1,12 +1,16 @@
 #include "core/drawing/pdf.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
-#include <string_view>
+#include <optional>
 
 #include <fmt/format.h>
 #include <hpdf.h>
+
+#include "core/base/code_point.h"
 
 namespace arap {
 namespace {
@@ -22,29 +26,59 @@ struct Free {
 };
 using Document = std::unique_ptr<std::remove_pointer_t<HPDF_Doc>, Free>;
 
-// UTF-8 as Latin-1.
-std::string Latin(std::string_view text) {
-  std::string latin;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    if (byte < 0x80) {
-      latin += text[i];
-    } else if ((byte == 0xc2 || byte == 0xc3) && i + 1 < text.size()) {
-      const auto next = static_cast<unsigned char>(text[++i]);
-      latin += static_cast<char>((byte == 0xc3 ? 0xc0 : 0x80) | (next & 0x3f));
-    } else if (byte >= 0xc0) {
-      latin += '?';  // what follows of the character has no sign of its own
-    }
+// What WinAnsiEncoding has from 0x80 to 0x9f; 0: nothing.
+constexpr std::array<std::uint16_t, 32> kWindows{
+    0x20ac, 0,      0x201a, 0x0192, 0x201e, 0x2026, 0x2020, 0x2021, 0x02c6, 0x2030, 0x0160,
+    0x2039, 0x0152, 0,      0x017d, 0,      0,      0x2018, 0x2019, 0x201c, 0x201d, 0x2022,
+    0x2013, 0x2014, 0x02dc, 0x2122, 0x0161, 0x203a, 0x0153, 0,      0x017e, 0x0178};
+
+// The byte of a character in WinAnsiEncoding; nothing where it has none.
+std::optional<char> ByteOf(const CodePoint& point) {
+  if (!point.IsHarmless()) return std::nullopt;
+  if (point.value < 0x100) return static_cast<char>(point.value);
+  const auto found = std::find(kWindows.begin(), kWindows.end(), point.value);
+  if (found == kWindows.end()) return std::nullopt;
+  return static_cast<char>(0x80 + (found - kWindows.begin()));
+}
+
+std::string Encoded(std::string_view text) {
+  std::string bytes;
+  while (!text.empty()) {
+    const CodePoint point(text);
+    bytes += ByteOf(point).value_or('?');
+    text.remove_prefix(point.length);
   }
-  return latin;
+  return bytes;
+}
+
+// Of red (16), green (8) or blue (0), from 0 to 1.
+HPDF_REAL PartOf(std::uint32_t rgb, int shift) {
+  return static_cast<HPDF_REAL>((rgb >> shift & 0xff) / 255.0);
+}
+
+void SetStroke(HPDF_Page out, std::uint32_t rgb) {
+  HPDF_Page_SetRGBStroke(out, PartOf(rgb, 16), PartOf(rgb, 8), PartOf(rgb, 0));
+}
+
+void Fill(HPDF_Page out, const PageArea& area) {
+  HPDF_Page_SetRGBFill(out, PartOf(area.rgb, 16), PartOf(area.rgb, 8), PartOf(area.rgb, 0));
+  // The stroke closes the hairlines between neighbours.
+  SetStroke(out, area.rgb);
+  HPDF_Page_SetLineWidth(out, Points(0.1));
+  constexpr std::size_t kTogether = 500;  // viewers are slow with long paths
+  for (std::size_t i = 0; i < area.triangles.size(); ++i) {
+    const auto& [a, b, c] = area.triangles[i];
+    HPDF_Page_MoveTo(out, Points(a.real()), Points(a.imag()));
+    HPDF_Page_LineTo(out, Points(b.real()), Points(b.imag()));
+    HPDF_Page_LineTo(out, Points(c.real()), Points(c.imag()));
+    HPDF_Page_ClosePath(out);
+    if ((i + 1) % kTogether == 0 || i + 1 == area.triangles.size()) HPDF_Page_FillStroke(out);
+  }
 }
 
 void Draw(HPDF_Page out, const PageLine& line) {
   if (line.points.size() < 2) return;
-  const auto part = [&](int shift) {
-    return static_cast<HPDF_REAL>((line.ink.rgb >> shift & 0xff) / 255.0);
-  };
-  HPDF_Page_SetRGBStroke(out, part(16), part(8), part(0));
+  SetStroke(out, line.ink.rgb);
   HPDF_Page_SetLineWidth(out, Points(line.ink.width));
   constexpr std::array<HPDF_UINT16, 2> kDashes{7, 4};  // points
   HPDF_Page_SetDash(out, kDashes.data(), line.ink.dashed ? 2 : 0, 0);
@@ -66,19 +100,32 @@ void AddPage(HPDF_Doc document, HPDF_Font font, const Page& page) {
                       Points(page.window.width()), Points(page.window.height()));
   HPDF_Page_Clip(out);
   HPDF_Page_EndPath(out);
+  for (const PageArea& area : page.areas) Fill(out, area);
   for (const PageLine& line : page.drawing) Draw(out, line);
   HPDF_Page_GRestore(out);
   for (const PageLine& line : page.lines) Draw(out, line);
   HPDF_Page_BeginText(out);
+  constexpr double kSmallest =
+      0.01;  // nobody sees smaller letters, and the library refuses none at all
   for (const PageText& text : page.texts) {
+    if (text.size < kSmallest) continue;
     HPDF_Page_SetFontAndSize(out, font, Points(text.size));
     HPDF_Page_TextOut(out, Points(text.at.real()), Points(text.at.imag()),
-                      Latin(text.text).c_str());
+                      Encoded(text.text).c_str());
   }
   HPDF_Page_EndText(out);
 }
 
 }  // namespace
+
+bool PdfShows(std::string_view text) {
+  while (!text.empty()) {
+    const CodePoint point(text);
+    if (!ByteOf(point)) return false;
+    text.remove_prefix(point.length);
+  }
+  return true;
+}
 
 Result<std::string> FormatPdf(const std::vector<Page>& pages) {
   constexpr double kSmallest = 2;

@@ -4,17 +4,23 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "core/drawing/pdf.h"
+#include "core/base/try.h"
+#include "core/drawing/page_grid.h"
+#include "core/drawing/svg.h"
 
 namespace arap {
 namespace {
 
 constexpr std::uint32_t kGrey = 0x9a948b;
 constexpr std::uint32_t kDark = 0x2b2622;
+
+// Where four pages overlap each of them has a short line; long ones cross more, but are few.
+constexpr std::size_t kPagesOfALine = 4, kMostCrossings = 200'000;
 
 Ink InkOf(LineKind kind, bool has_allowance) {
   switch (kind) {
@@ -53,7 +59,10 @@ std::vector<PageLine> DrawnLines(const Pattern& pattern) {
 // A label where it is seen on a page. Helvetica's digits and letters are about half as wide as high.
 PageText Text(const PatternLabel& label, Complex shift) {
   constexpr double kWide = 0.28, kRise = 0.36;
-  const double half = kWide * label.height * static_cast<double>(label.text.size());
+  const auto letters = std::count_if(label.text.begin(), label.text.end(), [](char c) {
+    return (c & 0xc0) != 0x80;  // each begins with one of these
+  });
+  const double half = kWide * label.height * static_cast<double>(letters);
   return {label.at + shift - Complex(half, kRise * label.height), label.height, label.text};
 }
 
@@ -71,138 +80,18 @@ std::string SizeText(const Bounds& box) {
   return fmt::format("{:.1f} × {:.1f} mm", box.width(), box.height());
 }
 
-// Pages in rows and columns, and where the sheet lies under them.
-class Grid {
- public:
-  Grid(const Bounds& sheet, double width, double height, double overlap)
-      : width_(width),
-        height_(height),
-        overlap_(overlap),
-        columns_(Count(sheet.width(), window_width())),
-        rows_(Count(sheet.height(), window_height())) {
-    // The sheet in the middle.
-    left_ = (sheet.min_x + sheet.max_x - Covered(columns_, window_width())) / 2;
-    top_ = (sheet.min_y + sheet.max_y + Covered(rows_, window_height())) / 2;
-  }
-
-  double window_width() const { return width_ - 2 * kPageMargin; }
-  double window_height() const { return height_ - 2 * kPageMargin; }
-  double columns() const { return columns_; }
-  double rows() const { return rows_; }
-  double pages() const { return columns_ * rows_; }
-  double width() const { return width_; }
-  double height() const { return height_; }
-  double overlap() const { return overlap_; }
-
-  // Of the sheet, what a page shows.
-  Bounds Window(std::size_t row, std::size_t column) const {
-    const double x = left_ + static_cast<double>(column) * StepX();
-    const double y = top_ - static_cast<double>(row) * StepY();
-    return {x, y - window_height(), x + window_width(), y, false};
-  }
-
-  // The columns (first, last) that show any of x from `low` to `high`.
-  std::pair<std::size_t, std::size_t> Columns(double low, double high) const {
-    return Range((low - left_ - window_width()) / StepX(), (high - left_) / StepX(), columns_);
-  }
-  std::pair<std::size_t, std::size_t> Rows(double low, double high) const {
-    return Range((top_ - high - window_height()) / StepY(), (top_ - low) / StepY(), rows_);
-  }
-
- private:
-  // One more millimetre on each side: a line at the edge has a width.
-  double Count(double size, double window) const {
-    return std::max(1.0, std::ceil((size + 2 - overlap_) / (window - overlap_)));
-  }
-  double Covered(double count, double window) const {
-    return count * (window - overlap_) + overlap_;
-  }
-  double StepX() const { return window_width() - overlap_; }
-  double StepY() const { return window_height() - overlap_; }
-  static std::pair<std::size_t, std::size_t> Range(double after, double until, double count) {
-    const double first = std::clamp(std::ceil(after), 0.0, count - 1);
-    const double last = std::clamp(std::floor(until), 0.0, count - 1);
-    return {static_cast<std::size_t>(first), static_cast<std::size_t>(last)};
-  }
-
-  double width_, height_, overlap_;
-  double columns_, rows_;
-  double left_ = 0, top_ = 0;
-};
-
-// Gives each page the parts of lines that it shows.
-class Distributor {
- public:
-  Distributor(const Grid& grid, std::vector<Page>& pages)
-      : grid_(grid), pages_(pages), ends_(pages.size()) {}
-
-  void Add(const PageLine& line) {
-    ++line_;
-    const std::size_t n = line.points.size(), segments = line.closed ? n : n - 1;
-    for (std::size_t i = 0; i < segments; ++i) {
-      const Complex a = line.points[i], b = line.points[(i + 1) % n];
-      Bounds box;
-      box.Add(a);
-      box.Add(b);
-      const auto [first_column, last_column] = grid_.Columns(box.min_x, box.max_x);
-      const auto [first_row, last_row] = grid_.Rows(box.min_y, box.max_y);
-      for (std::size_t row = first_row; row <= last_row; ++row) {
-        for (std::size_t column = first_column; column <= last_column; ++column) {
-          AddSegment(line, a, b, i, row, column);
-        }
-      }
+// On every page that shows its middle.
+void AddLabel(const PatternLabel& label, const PageGrid& grid, std::vector<Page>& pages) {
+  const double x = label.at.real(), y = label.at.imag();
+  const auto [first_column, last_column] = grid.Columns(x, x);
+  const auto [first_row, last_row] = grid.Rows(y, y);
+  for (std::size_t row = first_row; row <= last_row; ++row) {
+    for (std::size_t column = first_column; column <= last_column; ++column) {
+      Page& page = pages[grid.NumberOf(row, column) - 1];
+      page.texts.push_back(Text(label, grid.Shift(row, column)));
     }
   }
-
-  // On every page that shows its middle.
-  void Add(const PatternLabel& label) {
-    const double x = label.at.real(), y = label.at.imag();
-    const auto [first_column, last_column] = grid_.Columns(x, x);
-    const auto [first_row, last_row] = grid_.Rows(y, y);
-    for (std::size_t row = first_row; row <= last_row; ++row) {
-      for (std::size_t column = first_column; column <= last_column; ++column) {
-        pages_[At(row, column)].texts.push_back(Text(label, Shift(row, column)));
-      }
-    }
-  }
-
- private:
-  struct End {
-    std::size_t line = 0, segment = 0;
-  };
-
-  std::size_t At(std::size_t row, std::size_t column) const {
-    return row * static_cast<std::size_t>(grid_.columns()) + column;
-  }
-  // From the sheet to the page.
-  Complex Shift(std::size_t row, std::size_t column) const {
-    const Bounds window = grid_.Window(row, column);
-    return {kPageMargin - window.min_x, kPageMargin - window.min_y};
-  }
-
-  void AddSegment(const PageLine& line, Complex a, Complex b, std::size_t segment, std::size_t row,
-                  std::size_t column) {
-    const std::size_t at = At(row, column);
-    const Complex shift = Shift(row, column);
-    std::vector<PageLine>& drawing = pages_[at].drawing;
-    if (ends_[at].line != line_ || ends_[at].segment != segment) {
-      drawing.push_back({line.ink, false, {a + shift}});
-    }
-    PageLine& part = drawing.back();
-    // All of a closed line is closed here too.
-    if (line.closed && part.points.size() == line.points.size()) {
-      part.closed = true;
-    } else {
-      part.points.push_back(b + shift);
-    }
-    ends_[at] = {line_, segment + 1};
-  }
-
-  const Grid& grid_;
-  std::vector<Page>& pages_;
-  std::vector<End> ends_;  // of each page, what was drawn last on it
-  std::size_t line_ = 0;
-};
+}
 
 void AddMark(Complex at, std::size_t a, std::size_t b, Page& page) {
   constexpr double kArm = 4, kHeart = 1.5;
@@ -214,32 +103,50 @@ void AddMark(Complex at, std::size_t a, std::size_t b, Page& page) {
   page.texts.push_back({at + Complex(1, 1.5), 2.2, fmt::format("{}/{}", a, b)});
 }
 
-// Two marks on each side where another page follows, at the same places of the sheet on both.
-void AddMarks(const Grid& grid, std::size_t row, std::size_t column, Page& page) {
+// Two marks on each side where another page follows that is not blank, at the same places of the
+// sheet on both.
+void AddMarks(const PageGrid& grid, const std::vector<bool>& blank, std::size_t row,
+              std::size_t column, Page& page) {
   const auto columns = static_cast<std::size_t>(grid.columns());
   const auto rows = static_cast<std::size_t>(grid.rows());
-  const std::size_t number = row * columns + column + 1;
+  const std::size_t number = page.number;
   const Bounds& w = page.window;
   const double half = grid.overlap() / 2;
+  const auto follows = [&](bool inside, std::size_t other) { return inside && !blank[other - 1]; };
+  const bool left = follows(column > 0, number - 1),
+             right = follows(column + 1 < columns, number + 1);
+  const bool above = follows(row > 0, number - columns);
+  const bool below = follows(row + 1 < rows, number + columns);
   for (const double part : {0.25, 0.75}) {
     const double x = w.min_x + part * w.width(), y = w.min_y + part * w.height();
-    if (column > 0) AddMark({w.min_x + half, y}, number - 1, number, page);
-    if (column + 1 < columns) AddMark({w.max_x - half, y}, number, number + 1, page);
-    if (row > 0) AddMark({x, w.max_y - half}, number - columns, number, page);
-    if (row + 1 < rows) AddMark({x, w.min_y + half}, number, number + columns, page);
+    if (left) AddMark({w.min_x + half, y}, number - 1, number, page);
+    if (right) AddMark({w.max_x - half, y}, number, number + 1, page);
+    if (above) AddMark({x, w.max_y - half}, number - columns, number, page);
+    if (below) AddMark({x, w.min_y + half}, number, number + columns, page);
   }
 }
 
-Page EmptyPage(const Grid& grid) {
+Page EmptyPage(const PageGrid& grid) {
   Page page;
   page.width = grid.width();
   page.height = grid.height();
-  page.window = {kPageMargin, kPageMargin, grid.width() - kPageMargin, grid.height() - kPageMargin,
-                 false};
+  const double margin = grid.margin();
+  page.window = {margin, margin, grid.width() - margin, grid.height() - margin, false};
   return page;
 }
 
-Page Cover(const Pattern& pattern, const std::vector<PageLine>& drawn, const Grid& grid) {
+// "12 pages in 3 rows of 4", and which of them are blank.
+std::string PagesText(const std::vector<bool>& blank, std::size_t rows, std::size_t columns) {
+  const auto none = static_cast<std::size_t>(std::count(blank.begin(), blank.end(), true));
+  const std::size_t printed = blank.size() - none;
+  std::string text = fmt::format("{} page{} in {} row{} of {}", printed, printed == 1 ? "" : "s",
+                                 rows, rows == 1 ? "" : "s", columns);
+  if (none > 0) text += ", those that would be blank left out";
+  return text + "; print at 100 %, lay marks of one label on each other";
+}
+
+Page Cover(const Pattern& pattern, const std::vector<PageLine>& drawn, const PageGrid& grid,
+           const std::vector<bool>& blank) {
   constexpr double kSquare = 50, kText = 4, kSmall = 2.6, kSmallLine = 4;
   Page page = EmptyPage(grid);
   const Bounds& w = page.window;
@@ -251,11 +158,7 @@ Page Cover(const Pattern& pattern, const std::vector<PageLine>& drawn, const Gri
   };
   write(w.min_x, kText, "Sheet of " + SizeText(pattern.Box()));
   y -= kText + 2;
-  write(w.min_x, kSmall,
-        fmt::format("{} page{} in {} row{} of {}; print at 100 %, lay marks of one label on each "
-                    "other",
-                    rows * columns, rows * columns == 1 ? "" : "s", rows, rows == 1 ? "" : "s",
-                    columns));
+  write(w.min_x, kSmall, PagesText(blank, rows, columns));
   y -= 4;
   const Bounds square{w.min_x, y - kSquare, w.min_x + kSquare, y, false};
   page.lines.push_back(Box(square, {0, 0.2, false}));
@@ -293,14 +196,15 @@ Page Cover(const Pattern& pattern, const std::vector<PageLine>& drawn, const Gri
     for (std::size_t column = 0; column < columns; ++column) {
       const Bounds window = grid.Window(row, column);
       const Complex low = at({window.min_x, window.min_y}), high = at({window.max_x, window.max_y});
-      page.lines.push_back(
-          Box({low.real(), low.imag(), high.real(), high.imag(), false}, {kGrey, 0.15, false}));
+      const std::size_t number = grid.NumberOf(row, column);
+      page.lines.push_back(Box({low.real(), low.imag(), high.real(), high.imag(), false},
+                               {kGrey, 0.15, /*dashed=*/blank[number - 1]}));
+      if (blank[number - 1]) continue;
       // In the corner that no other page covers.
       const double size = std::min(5.0, 0.2 * (high.imag() - low.imag()));
       const double inset = scale * grid.overlap() + 1;
-      page.texts.push_back({{low.real() + inset, high.imag() - inset - 0.75 * size},
-                            size,
-                            fmt::to_string(row * columns + column + 1)});
+      page.texts.push_back(
+          {{low.real() + inset, high.imag() - inset - 0.75 * size}, size, fmt::to_string(number)});
     }
   }
   constexpr double kVisible = 0.1;
@@ -318,19 +222,83 @@ Page Cover(const Pattern& pattern, const std::vector<PageLine>& drawn, const Gri
   return page;
 }
 
+double RangeOf(const Pattern& pattern) {
+  return StrainRange(LargestStrainPercent(pattern.singular_values));
+}
+
+std::uint32_t RgbOf(int shade) {
+  return static_cast<std::uint32_t>(std::stoul(StrainColor(shade).substr(1), nullptr, 16));
+}
+
+void AddStrain(const Pattern& pattern, Complex shift, Page& page) {
+  for (const auto& [shade, lines] :
+       TrianglesByShade(pattern.triangles, pattern.singular_values, RangeOf(pattern))) {
+    PageArea& area = page.areas.emplace_back(PageArea{RgbOf(shade), {}});
+    for (const auto& line : lines) {
+      area.triangles.push_back({pattern.points[line[0]] + shift, pattern.points[line[1]] + shift,
+                                pattern.points[line[2]] + shift});
+    }
+  }
+}
+
+// The colours from −range to +range percent at the lower left of the page, and the caption under
+// them. Answers how high they are together, and makes the page wide enough.
+double AddLegend(const Pattern& pattern, const std::vector<std::string>& caption, Page& page) {
+  // Letters grow with large sheets, so that an overview still shows them.
+  const double scale = std::max(1.0, std::max(page.width, page.height) / 300);
+  const double size = 3.4 * scale, width = 80 * scale, left = kPageMargin;
+  page.width = std::max(page.width, 2 * left + 150 * scale);
+  double y = kPageMargin;
+  for (auto line = caption.rbegin(); line != caption.rend(); ++line, y += 5 * scale) {
+    page.texts.push_back({{left, y}, size, *line});
+  }
+  y += 2 * scale;
+  const double range = RangeOf(pattern);
+  page.texts.push_back({{left, y}, size, fmt::format("-{:g} %", range)});
+  page.texts.push_back({{left + width / 2 - scale, y}, size, "0"});
+  page.texts.push_back({{left + width - 9 * scale, y}, size, fmt::format("+{:g} %", range)});
+  y += 4 * scale;
+  const double step = width / (2 * kStrainShades + 1), high = y + 4 * scale;
+  for (int shade = -kStrainShades; shade <= kStrainShades; ++shade) {
+    const double x = left + (shade + kStrainShades) * step, end = x + step;
+    page.areas.push_back({RgbOf(shade),
+                          {{Complex(x, y), Complex(end, y), Complex(end, high)},
+                           {Complex(x, y), Complex(end, high), Complex(x, high)}}});
+  }
+  page.texts.push_back({{left, high + 1.5 * scale}, size, "larger principal strain"});
+  // A length to check a print by.
+  const double length = scale < 2 ? 50 : 100, from = left + width + 10 * scale;
+  page.lines.push_back({{kDark, 0.3, false},
+                        false,
+                        {{from, high}, {from, y}, {from + length, y}, {from + length, high}}});
+  page.texts.push_back({{from, y - 4 * scale}, size, fmt::format("{} mm", length)});
+  return high + 2 * size;
+}
+
 }  // namespace
 
-Result<std::vector<Page>> TilePages(const Pattern& pattern, const Paper& paper, double overlap) {
-  const double shorter = std::min(paper.width, paper.height) - 2 * kPageMargin;
-  if (!(overlap >= 0 && overlap <= shorter / 2)) {
+Status CheckPages(const Paper& paper, double overlap, double margin) {
+  if (!(margin >= 0 && margin <= kMaxPageMargin)) {
     return Fail(
         Fault(FaultKind::kInvalidOption,
-              fmt::format("The overlap is {} mm; it must be 0 to {}.", overlap, shorter / 2))
-            .Field("overlap"));
+              fmt::format("The margin is {} mm; it must be 0 to {}.", margin, kMaxPageMargin))
+            .Field("margin"));
   }
+  const double most = (std::min(paper.width, paper.height) - 2 * margin) / 2;
+  if (!(overlap >= 0 && overlap <= most)) {
+    return Fail(Fault(FaultKind::kInvalidOption,
+                      fmt::format("The overlap is {} mm; it must be 0 to {}.", overlap, most))
+                    .Field("overlap"));
+  }
+  return {};
+}
+
+Result<std::vector<Page>> TilePages(const Pattern& pattern, const Paper& paper, double overlap,
+                                    double margin) {
+  CHECK_OK(CheckPages(paper, overlap, margin));
   const Bounds sheet = pattern.Box();
-  Grid grid(sheet, paper.width, paper.height, overlap);
-  if (const Grid turned(sheet, paper.height, paper.width, overlap);
+  PageGrid grid(sheet, paper.width, paper.height, overlap, margin);
+  if (const PageGrid turned(sheet, paper.height, paper.width, overlap, margin);
       paper.either_way && turned.pages() < grid.pages()) {
     grid = turned;
   }
@@ -345,40 +313,70 @@ Result<std::vector<Page>> TilePages(const Pattern& pattern, const Paper& paper, 
   const auto columns = static_cast<std::size_t>(grid.columns());
   std::vector<Page> pages(rows * columns, EmptyPage(grid));
   const std::vector<PageLine> drawn = DrawnLines(pattern);
-  Distributor distributor(grid, pages);
-  for (const PageLine& line : drawn) distributor.Add(line);
-  for (const PatternPiece& piece : pattern.pieces) {
-    for (const PatternLabel& label : piece.labels) distributor.Add(label);
+  std::size_t most = kMostCrossings;
+  for (const PageLine& line : drawn) most += kPagesOfALine * line.points.size();
+  if (!Distribute(drawn, grid, most, pages)) {
+    return Fail(Fault(FaultKind::kInvalidOption,
+                      fmt::format("On {} pages the lines would have more than {} parts. Larger "
+                                  "paper helps, or another unit.",
+                                  pages.size(), most))
+                    .Field("paper"));
   }
+  for (const PatternPiece& piece : pattern.pieces) {
+    for (const PatternLabel& label : piece.labels) AddLabel(label, grid, pages);
+  }
+  std::vector<bool> blank;
+  const std::vector<bool> inside = MiddlesOn(pattern.triangles, pattern.points, grid);
+  for (std::size_t i = 0; i < pages.size(); ++i) {
+    // Without lines it is inside of a piece or outside of all, as a whole.
+    blank.push_back(pages[i].drawing.empty() && pages[i].texts.empty() && !inside[i]);
+  }
+  std::vector<Page> printed{Cover(pattern, drawn, grid, blank)};
   for (std::size_t row = 0; row < rows; ++row) {
     for (std::size_t column = 0; column < columns; ++column) {
-      const std::size_t number = row * columns + column + 1;
+      const std::size_t number = grid.NumberOf(row, column);
+      if (blank[number - 1]) continue;
       Page& page = pages[number - 1];
+      page.number = number;
       page.lines.push_back(Box(page.window, {kGrey, 0.15, false}));
-      AddMarks(grid, row, column, page);
-      page.texts.push_back({{kPageMargin, 5},
-                            3,
+      AddMarks(grid, blank, row, column, page);
+      // Below the frame where there is room, else above its lower line.
+      constexpr double kLetters = 3, kRoom = 8;
+      const double y = margin >= kRoom ? margin / 2 : margin + kLetters / 2;
+      page.texts.push_back({{margin + (margin >= kRoom ? 0 : kLetters / 2), y},
+                            kLetters,
                             fmt::format("page {} of {}: row {}, column {}", number, pages.size(),
                                         row + 1, column + 1)});
+      printed.push_back(std::move(page));
     }
   }
-  pages.insert(pages.begin(), Cover(pattern, drawn, grid));
-  return pages;
+  return printed;
 }
 
-Page SheetPage(const Pattern& pattern) {
-  const Bounds sheet = pattern.Box();
+Page SheetPage(const Pattern& pattern, const PatternSheet& sheet) {
+  const Bounds box = pattern.Box();
   Page page;
-  page.width = sheet.width() + 2 * kPageMargin;
-  page.height = sheet.height() + 2 * kPageMargin;
+  page.width = box.width() + 2 * kPageMargin;
+  page.height = box.height() + 2 * kPageMargin;
+  const double below = sheet.strain ? AddLegend(pattern, sheet.caption, page) : 0;
+  page.height += below;
   page.window = {0, 0, page.width, page.height, false};
-  const Complex shift(kPageMargin - sheet.min_x, kPageMargin - sheet.min_y);
-  page.drawing = DrawnLines(pattern);
+  const Complex shift(kPageMargin - box.min_x, below + kPageMargin - box.min_y);
+  if (sheet.strain) AddStrain(pattern, shift, page);
+  if (sheet.interior) {
+    for (const auto& line : InnerLines(pattern.triangles)) {
+      PageLine& drawn = page.drawing.emplace_back(PageLine{{kGrey, 0.1, false}, false, {}});
+      for (const std::uint32_t u : line) drawn.points.push_back(pattern.points[u]);
+    }
+  }
+  for (PageLine& line : DrawnLines(pattern)) page.drawing.push_back(std::move(line));
   for (PageLine& line : page.drawing) {
     for (Complex& p : line.points) p += shift;
   }
   for (const PatternPiece& piece : pattern.pieces) {
-    for (const PatternLabel& label : piece.labels) page.texts.push_back(Text(label, shift));
+    for (const PatternLabel& label : piece.labels) {
+      if (sheet.strain || !label.is_name) page.texts.push_back(Text(label, shift));
+    }
   }
   return page;
 }

@@ -201,8 +201,8 @@ TEST(FlattenFlags, SayWhatTheyAreCalled) {
                             "--allowance",
                             "10"});
   ASSERT_TRUE(flags) << flags.error().message;
-  EXPECT_EQ(flags->drawing.millimetres_per_unit, 25.4);
-  EXPECT_EQ(flags->drawing.allowance, 10);
+  EXPECT_EQ(flags->drawing.options.millimetres_per_unit, 25.4);
+  EXPECT_EQ(flags->drawing.options.allowance, 10);
   EXPECT_EQ(flags->timeout.value(), std::chrono::milliseconds(1500));
   const auto query = ReadQuery(*flags, {}, kVertices, kTriangles);
   ASSERT_TRUE(query) << query.error().message;
@@ -262,7 +262,7 @@ TEST(FlattenFlags, LeaveEverythingElseToTheService) {
   const auto query = ReadQuery(*flags, {}, kVertices, kTriangles);
   ASSERT_TRUE(query) << query.error().message;
   EXPECT_EQ(query->options, ArapOptions());
-  EXPECT_EQ(flags->drawing.millimetres_per_unit, 1);
+  EXPECT_EQ(flags->drawing.options.millimetres_per_unit, 1);
   EXPECT_EQ(flags->timeout.value(), std::chrono::minutes(10));
 }
 

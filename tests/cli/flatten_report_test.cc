@@ -81,34 +81,5 @@ TEST(FlattenReport, IsAFileOfSeams) {
   EXPECT_THAT(*seams, ElementsAre(ElementsAre(0, 1), ElementsAre(2, 1)));
 }
 
-TEST(FlattenReport, SummaryTellsOfCutsOverlapsAndSizes) {
-  client::FlatSurface answer = FlatTriangle();
-  const auto lines = [&] { return Summary(kTriangle, answer.flat, Drawn(answer)); };
-  EXPECT_THAT(
-      lines(),
-      ElementsAre(
-          _, _, _,
-          HasSubstr("1 piece, 2 edges cut, 1 of them automatically; the outline overlaps itself"),
-          "piece 1: 30.000 × 40.000 mm", "sheet: 30.000 × 40.000 mm"));
-  answer.flat.cuts.clear();
-  answer.flat.overlaps = false;
-  EXPECT_EQ(lines().size(), 5u);
-}
-
-TEST(FlattenReport, UnlikelySizesNameTheUnit) {
-  const client::FlatSurface answer = FlatTriangle();
-  for (const double likely : {1.3, 10.0, 2400.0}) {
-    EXPECT_TRUE(SizeWarnings(Drawn(answer, likely)).empty()) << likely;
-  }
-  for (const double unlikely : {0.001, 1.2, 2600.0}) {
-    const std::vector<Warning> warnings = SizeWarnings(Drawn(answer, unlikely));
-    ASSERT_EQ(warnings.size(), 1u) << unlikely;
-    EXPECT_EQ(warnings[0].count, 1u);
-    EXPECT_THAT(warnings[0].elements, ElementsAre(0));
-    EXPECT_THAT(warnings[0].message, HasSubstr("Piece 1 is "));
-    EXPECT_THAT(warnings[0].message, HasSubstr("--unit"));
-  }
-}
-
 }  // namespace
 }  // namespace arap::cli

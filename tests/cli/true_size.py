@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Measures the drawings of arapctl by programs that are not ours, to 0.05 mm.
 
-Usage: true_size.py ARAPCTL. Ends with 77 (skipped) where rsvg-convert, pdftoppm or ezdxf is missing.
+Usage: true_size.py ARAPCTL. Ends with 77 (skipped) where rsvg-convert, pdftoppm, pdftotext or
+ezdxf is missing.
 """
 import math
 import shutil
@@ -9,11 +10,13 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from xml.etree import ElementTree
 
 DPI = 1016  # a pixel is 0.025 mm
 TOLERANCE = 0.05
 WIDTH, HEIGHT = 93.25, 41.5  # of the part when it is flat
 COLUMNS, ROWS = 12, 5
+NAME = "Ärmel & <50%>"
 
 
 def millimetres(pixels):
@@ -28,7 +31,7 @@ def write_part(path):
     """A sheet bent into an arch along straight rulings, in centimetres: flat it is a rectangle."""
     step = 0.25  # radians between rulings
     radius = WIDTH / COLUMNS / (2 * math.sin(step / 2))
-    lines = []
+    lines = ["o " + NAME]
     for row in range(ROWS + 1):
         for column in range(COLUMNS + 1):
             angle = step * column
@@ -39,7 +42,7 @@ def write_part(path):
             a = row * (COLUMNS + 1) + column + 1
             b = a + COLUMNS + 1
             lines += [f"f {a} {a + 1} {b + 1}", f"f {a} {b + 1} {b}"]
-    path.write_text("\n".join(lines) + "\n")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 class Picture:
@@ -89,9 +92,18 @@ def check_dxf(path):
     audit = drawing.audit()
     assert not audit.errors and not audit.fixes, [e.message for e in audit.errors + audit.fixes]
     assert drawing.units == units.MM and drawing.header["$MEASUREMENT"] == 1
-    size = bbox.extents(drawing.modelspace()).size
+    names = [ezdxf.decode_dxf_unicode(text.plain_text()) for text in drawing.modelspace().query("TEXT")]
+    assert names == [NAME], names
+    size = bbox.extents(drawing.modelspace().query("LWPOLYLINE")).size
     check("DXF across", size.x, WIDTH)
     check("DXF down", size.y, HEIGHT)
+
+
+def check_names(svg, pdf):
+    texts = [text.text for text in ElementTree.parse(svg).iter("{http://www.w3.org/2000/svg}text")]
+    assert NAME in texts, texts
+    text = subprocess.run(["pdftotext", str(pdf), "-"], check=True, capture_output=True).stdout
+    assert NAME in text.decode(), text
 
 
 def check_pages(pdf):
@@ -112,7 +124,7 @@ def main():
         import ezdxf  # noqa: F401
     except ImportError:
         sys.exit(77)
-    if not all(map(shutil.which, ("rsvg-convert", "pdftoppm"))):
+    if not all(map(shutil.which, ("rsvg-convert", "pdftoppm", "pdftotext"))):
         sys.exit(77)
     with tempfile.TemporaryDirectory() as folder:
         at = Path(folder)
@@ -126,6 +138,8 @@ def main():
         subprocess.run(["rsvg-convert", "-f", "pdf", "-o", at / "svg.pdf", at / "part.svg"], check=True)
         check_rectangle("SVG", Picture(at / "svg.pdf"))
         check_rectangle("PDF", Picture(at / "part.pdf"))
+        draw("--svg", at / "coloured.svg", "--pdf", at / "coloured.pdf")
+        check_names(at / "coloured.svg", at / "coloured.pdf")
         check_dxf(at / "part.dxf")
         draw("--paper", "100x100", "--pdf", at / "pages.pdf", "--svg", at / "page.svg")
         check_pages(at / "pages.pdf")

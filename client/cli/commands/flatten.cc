@@ -12,7 +12,9 @@
 #include "client/cli/report.h"
 #include "core/base/try.h"
 #include "core/drawing/comparison.h"
-#include "core/drawing/pattern.h"
+#include "core/drawing/draw.h"
+#include "core/drawing/piece_names.h"
+#include "core/drawing/summary.h"
 #include "core/files/mesh_file.h"
 #include "core/files/obj_layout.h"
 #include "core/files/text_file.h"
@@ -31,36 +33,21 @@ Status WriteSurface(const FlattenFlags& flags, const SurfaceFile& file, const Fl
   return WriteTextFile(flags.out, text);
 }
 
-// The grain lines between vertices that stand for those that were named.
-std::vector<GrainLine> GrainOf(const client::FlattenQuery& query, const Flattening& flat) {
-  std::vector<GrainLine> lines = query.options.grain_lines;
-  if (flat.welded.empty()) return lines;
-  for (GrainLine& line : lines) {
-    line.from = flat.welded[line.from];
-    line.to = flat.welded[line.to];
-  }
-  return lines;
-}
-
 Status WriteLayout(const FlattenFlags& flags, const std::vector<GrainLine>& grain,
                    const SurfaceFile& file, const Counting& counting, client::FlatSurface answer) {
   const SurfaceMesh& mesh = file.mesh;
   const Flattening& flat = answer.flat;
   const DrawingFlags& drawing = flags.drawing;
-  PatternOptions options;
-  options.millimetres_per_unit = drawing.millimetres_per_unit;
-  options.allowance = drawing.allowance;
-  options.corners = drawing.corners;
-  options.grain_lines = grain;
-  options.notches = drawing.notches;
-  options.sheet_width = drawing.sheet_width;
-  TRY(const Pattern pattern, MakePattern(flat, options));
-  for (const auto& more : {pattern.warnings, SizeWarnings(pattern)}) {
-    answer.flat.warnings.insert(answer.flat.warnings.end(), more.begin(), more.end());
-  }
+  TRY(const Pattern pattern,
+      PatternFor(drawing.options, flat, grain, PieceNames(flat, PartsOf(file))));
   // The report counts from 0, as all of it does.
   PrintWarnings(InOwnWords(flat.warnings, counting));
-  const std::vector<std::string> summary = Summary(mesh, flat, pattern);
+  for (const auto& more :
+       {pattern.warnings, SizeWarnings(pattern, "--unit"), NameWarningsOf(drawing, pattern)}) {
+    PrintWarnings(more);
+    answer.flat.warnings.insert(answer.flat.warnings.end(), more.begin(), more.end());
+  }
+  const std::vector<std::string> summary = Summary(flat, pattern);
   for (const std::string& line : summary) fmt::print("{}\n", line);
   CHECK_OK(WriteDrawings(drawing, pattern, summary));
   CHECK_OK(WriteSurface(flags, file, flat));
@@ -91,6 +78,7 @@ Status Flatten(const FlattenFlags& flags) {
   const std::vector<Origin> origins = OriginsOf(flags, texts, counting);
   TRY(const client::FlattenQuery query,
       InOwnWords(ReadQuery(flags, texts, mesh.vertices.size(), mesh.triangles.size()), origins));
+  CHECK_OK(CheckDrawings(flags.drawing));
   TRY(const Connection connection, Connection::Open(flags.server));
 
   const DrawingFlags& drawing = flags.drawing;
@@ -105,8 +93,7 @@ Status Flatten(const FlattenFlags& flags) {
                        : FlattenAsJob(connection.client(), mesh, query, flags.timeout.value(),
                                       flags.job.substr(0, slash), flags.job.substr(slash + 1)),
                    origins));
-    const std::vector<GrainLine> grain = GrainOf(query, answer.flat);
-    CHECK_OK(WriteLayout(flags, grain, file, counting, std::move(answer)));
+    CHECK_OK(WriteLayout(flags, query.options.grain_lines, file, counting, std::move(answer)));
   }
   return flags.compare.empty() ? Status()
                                : Compare(flags, query, mesh, connection.client(), origins);

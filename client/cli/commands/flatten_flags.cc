@@ -36,7 +36,7 @@ void AddOutputs(CLI::App& command, FlattenFlags& flags) {
             "the pieces in millimetres on the layers OUTLINE, SEAM, CUT, GRAIN, NOTCH and LABEL",
             "FILE.dxf");
   AddOutput(*outputs, "--pdf", flags.drawing.pdf,
-            "the lines of the pieces at true size, on one page or on those of --paper", "FILE.pdf");
+            "the same as --svg on one page, or the lines on those of --paper", "FILE.pdf");
   auto* const report = AddOutput(*outputs, "--report", flags.report,
                                  "the measures of distortion and what was cut", "FILE.json");
   outputs
@@ -51,32 +51,33 @@ void AddOutputs(CLI::App& command, FlattenFlags& flags) {
 }
 
 void AddDrawing(CLI::App& command, FlattenFlags& flags) {
+  DrawingOptions& options = flags.drawing.options;
   auto* const drawing = command.add_option_group("Drawing", "how --svg, --dxf and --pdf draw");
-  AddChoice<double>(*drawing, "--unit", flags.drawing.millimetres_per_unit,
+  AddChoice<double>(*drawing, "--unit", options.millimetres_per_unit,
                     {{"mm", 1}, {"cm", 10}, {"m", 1000}, {"in", 25.4}},
                     "what a unit of the surface is; default mm");
   drawing
       ->add_option(
-          "--allowance", flags.drawing.allowance,
+          "--allowance", options.allowance,
           "seam allowance round the pieces, in millimetres; pieces that it brings together "
           "are set apart")
-      ->check(Positive())
+      ->check(Between(1e-9, kMaxAllowance))
       ->option_text("MM");
   AddChoice<Corners>(
-      *drawing, "--corners", flags.drawing.corners,
+      *drawing, "--corners", options.corners,
       {{"mitre", Corners::kMitre}, {"square", Corners::kSquare}, {"round", Corners::kRound}},
       "of the allowance: until its sides meet (at twice its width at most), cut off at its width, "
       "or an arc; default mitre");
-  drawing->add_flag("--notches", flags.drawing.notches,
+  drawing->add_flag("--notches", options.notches,
                     "pair the two sides of every seam by short lines with a number");
   drawing
-      ->add_option("--sheet-width", flags.drawing.sheet_width,
+      ->add_option("--sheet-width", options.sheet_width,
                    "pack the pieces into a roll of this width, in millimetres, which runs along u; "
                    "pieces with a --grain keep their direction")
       ->check(Positive())
       ->option_text("MM");
   drawing
-      ->add_option("--paper", flags.drawing.paper,
+      ->add_option("--paper", options.paper,
                    "pages to print and join, for --pdf and --svg (a file per page): A0 to A5, "
                    "letter, legal, tabloid or WIDTHxHEIGHT in millimetres; lines only")
       ->check(CLI::Validator(
@@ -87,12 +88,20 @@ void AddDrawing(CLI::App& command, FlattenFlags& flags) {
           ""))
       ->option_text("PAPER");
   drawing
-      ->add_option("--overlap", flags.drawing.overlap,
+      ->add_option("--overlap", options.overlap,
                    "what pages share with their neighbours, in millimetres; default 10")
       ->check(Between(0, 1000))
       ->option_text("MM");
-  drawing->add_flag("--interior", flags.drawing.interior, "draw the edges inside too; SVG only");
-  drawing->add_flag("--plain", flags.drawing.plain, "nothing besides the lines; SVG only");
+  drawing
+      ->add_option("--margin", options.margin,
+                   "what the printer does not reach on each side of a page, in millimetres; "
+                   "default 10")
+      ->check(Between(0, kMaxPageMargin))
+      ->option_text("MM");
+  drawing->add_flag("--interior", options.interior,
+                    "draw the edges inside too; SVG and PDF without --paper");
+  drawing->add_flag("--plain", options.plain,
+                    "nothing besides the lines, no names either; SVG and PDF");
 }
 
 void AddSurfaceFlags(CLI::App& command, FlattenFlags& flags) {

@@ -10,10 +10,10 @@
 
 #include "arap/base/result.h"
 #include "arap/client/flatten.h"
+#include "arap/model/drawing.h"
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/own_words.h"
 #include "client/cli/connect/connection.h"
-#include "core/drawing/allowance.h"
 
 namespace arap::cli {
 
@@ -36,15 +36,8 @@ struct MethodFlags {
 // What is drawn and how.
 struct DrawingFlags {
   std::string svg, dxf, pdf;  // files to write; empty: not wanted
-  double millimetres_per_unit = 1;
-  double allowance = 0;
-  Corners corners = Corners::kMitre;
-  bool notches = false;
-  double sheet_width = 0;  // 0: as the pieces were laid
-  bool interior = false;
-  bool plain = false;
-  std::string paper;  // as ParsePaper takes it; empty: the sheet in one piece
-  double overlap = 10;
+  // But for the format. DXF has no pages and does not show the edges inside.
+  DrawingOptions options;
 };
 
 struct FlattenFlags {

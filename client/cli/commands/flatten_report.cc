@@ -43,16 +43,6 @@ double LoopLength(const std::vector<std::uint32_t>& loop, const std::vector<Comp
 
 Json SizeJson(const Bounds& box) { return {box.width(), box.height()}; }
 
-std::string SizeText(const Bounds& box) {
-  return fmt::format("{:.3f} × {:.3f} mm", box.width(), box.height());
-}
-
-// "piece 2", counted from 1, with its name where it has one.
-std::string Named(const Pattern& pattern, std::size_t i) {
-  const std::string& name = pattern.pieces[i].name;
-  return fmt::format("piece {}{}", i + 1, name.empty() ? name : " (" + Printable(name) + ")");
-}
-
 Json ChartJson(const FlatChart& chart, const Flattening& flat) {
   Json boundaries = Json::array();
   for (const auto& loop : chart.loops) {
@@ -62,17 +52,6 @@ Json ChartJson(const FlatChart& chart, const Flattening& flat) {
       {"triangles", chart.triangles},          {"boundaries", boundaries},
       {"boundary_crossings", chart.crossings}, {"anchors", chart.anchors},
       {"refinements", chart.refinements},      {"distortion", DistortionJson(chart.distortion)}};
-}
-
-// The lines about strain, angles and energies.
-std::vector<std::string> Measures(const Distortion& d) {
-  return {
-      fmt::format("stretch mean {:.3f} %, max {:.3f} %; compression mean {:.3f} %, max {:.3f} %",
-                  d.mean_stretch_percent, d.max_stretch_percent, d.mean_compression_percent,
-                  d.max_compression_percent),
-      fmt::format(
-          "angles mean {:.3f}°, max {:.3f}°; ARAP energy {:.3g}; symmetric Dirichlet {:.6g}",
-          d.mean_angle_degrees, d.max_angle_degrees, d.arap_energy, d.symmetric_dirichlet)};
 }
 
 }  // namespace
@@ -123,51 +102,6 @@ std::string JsonReport(const SurfaceMesh& mesh, const client::FlatSurface& answe
     for (const auto& [s1, s2] : flat.singular_values) values.push_back({s1, s2});
   }
   return JsonText(json);
-}
-
-std::vector<std::string> Summary(const SurfaceMesh& mesh, const Flattening& flat,
-                                 const Pattern& pattern) {
-  std::vector<std::string> lines{fmt::format(
-      "{} vertices, {} triangles, {} flipped; area {:.4f} of the surface's", mesh.vertices.size(),
-      mesh.triangles.size(), flat.distortion.flipped, flat.distortion.area_ratio)};
-  for (std::string& line : Measures(flat.distortion)) lines.push_back(std::move(line));
-  const std::size_t cuts = flat.cuts.size();
-  if (flat.charts.size() > 1 || cuts > 0 || flat.overlaps) {
-    lines.push_back(fmt::format("{} piece{}, {} edges cut, {} of them automatically{}",
-                                flat.charts.size(), flat.charts.size() == 1 ? "" : "s", cuts,
-                                flat.auto_cuts,
-                                flat.overlaps ? "; the outline overlaps itself" : ""));
-  }
-  constexpr std::size_t kListed = 8;
-  const std::size_t pieces = pattern.pieces.size();
-  for (std::size_t i = 0; i < std::min(pieces, kListed); ++i) {
-    lines.push_back(Named(pattern, i) + ": " + SizeText(pattern.pieces[i].box));
-  }
-  if (pieces > kListed) lines.push_back(fmt::format("and {} more pieces", pieces - kListed));
-  lines.push_back("sheet: " + SizeText(pattern.Box()));
-  return lines;
-}
-
-std::vector<Warning> SizeWarnings(const Pattern& pattern) {
-  constexpr double kShortest = 5, kLongest = 10'000;
-  constexpr std::size_t kNamed = 10;
-  Warning warning{"unlikely_size", 0, {}, {}};
-  for (std::size_t i = 0; i < pattern.pieces.size(); ++i) {
-    const Bounds& box = pattern.pieces[i].box;
-    const double longer = std::max(box.width(), box.height());
-    if (longer >= kShortest && longer <= kLongest) continue;
-    if (warning.count == 0) {
-      warning.message = fmt::format("{} is {}", Named(pattern, i), SizeText(box));
-      warning.message.front() = 'P';
-    }
-    if (++warning.count <= kNamed) warning.elements.push_back(static_cast<std::uint32_t>(i));
-  }
-  if (warning.count == 0) return {};
-  if (warning.count > 1) {
-    warning.message += fmt::format(", and {} more pieces are as unlikely", warning.count - 1);
-  }
-  warning.message += "; --unit says whether the surface is in mm, cm, m or in";
-  return {warning};
 }
 
 std::string FormatTable(const std::vector<ComparisonPanel>& panels) {

@@ -16,13 +16,6 @@ namespace arap::cli {
 // [0, 0] where it was left out. Indices count from 0.
 std::string JsonReport(const SurfaceMesh& mesh, const client::FlatSurface& flat,
                        const Pattern& pattern, bool sigma = false);
-// The same in a few lines for people.
-std::vector<std::string> Summary(const SurfaceMesh& mesh, const Flattening& flat,
-                                 const Pattern& pattern);
-
-// Pieces shorter than 5 mm or longer than 10 m, which another --unit would make likelier.
-std::vector<Warning> SizeWarnings(const Pattern& pattern);
-
 // A line for people with the measures of each panel.
 std::string FormatTable(const std::vector<ComparisonPanel>& panels);
 

@@ -296,18 +296,34 @@ TEST(Dxf, UnitLayersAndLengthsReadBack) {
   }
 }
 
-TEST(Pattern, NamesAreWrittenOnThePieces) {
-  const std::vector<std::string> names{"left & right", "ärmel\n∞"};
-  PatternOptions options;
-  options.millimetres_per_unit = 10;
-  options.names = names;
-  const Pattern pattern = Made(CutSquare(), options);
-  EXPECT_EQ(pattern.pieces[1].name, names[1]);
-  EXPECT_THAT(FormatPattern(pattern, {false, false, {}}),
-              HasSubstr("y=\"31.8\" font-size=\"5\">left &amp; right</text>"));
-  const std::string dxf = FormatDxf(pattern);
-  EXPECT_THAT(dxf, HasSubstr("\nleft & right\n"));
-  EXPECT_THAT(dxf, HasSubstr("\n\\U+00E4rmel?\\U+221E\n"));
+// A vertex that all pieces meet in has a copy on each; the grain line is on the one with both ends.
+TEST(Pattern, GrainLinesOfManyCopiesAreFound) {
+  constexpr std::uint32_t kPieces = 3000;
+  Flattening flat;
+  std::vector<GrainLine> grain;
+  for (std::uint32_t i = 0; i < kPieces; ++i) {
+    const double x = 10.0 * i;
+    const std::uint32_t u = 3 * i;
+    flat.uv.insert(flat.uv.end(), {{x, 0}, {x + 4, 0}, {x, 4}});
+    flat.source.insert(flat.source.end(), {0, 1 + 2 * i, 2 + 2 * i});
+    flat.corner_uv.push_back({u, u + 1, u + 2});
+    flat.triangle_chart.push_back(i);
+    flat.charts.emplace_back().loops = {{u, u + 1, u + 2}};
+    grain.push_back({0, 2 + 2 * i, 0});
+  }
+  const Pattern pattern = Made(flat, {1, 0, grain});
+  const std::vector<Polyline> lines = LinesOf(pattern, LineKind::kGrain);
+  ASSERT_EQ(lines.size(), kPieces);
+  EXPECT_THAT(lines[1234], ElementsAre(Complex(12340, 0), Complex(12340, 4)));
+}
+
+// Those of welded vertices run between the ones that stand for them.
+TEST(Pattern, GrainLinesMayNameWeldedVertices) {
+  Flattening flat = CutSquare();
+  flat.welded = {0, 1, 2, 3, 0, 1};
+  const std::vector<GrainLine> grain{{4, 5, 0}};
+  EXPECT_THAT(LinesOf(Made(flat, {1, 0, grain}), LineKind::kGrain),
+              ElementsAre(ElementsAre(Complex(0, 0), Complex(4, 0))));
 }
 
 TEST(PatternSheet, IsInMillimetres) {

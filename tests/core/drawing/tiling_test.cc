@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 
 #include "core/drawing/pdf.h"
+#include "core/drawing/svg.h"
 
 namespace arap {
 namespace {
@@ -28,7 +29,12 @@ Pattern Outlined(std::vector<Complex> line) {
 }
 
 Pattern Rectangle(double width, double height) {
-  return Outlined({{-5, 7}, {width - 5, 7}, {width - 5, height + 7}, {-5, height + 7}});
+  const std::vector<Complex> corners{
+      {-5, 7}, {width - 5, 7}, {width - 5, height + 7}, {-5, height + 7}};
+  Pattern pattern = Outlined(corners);
+  pattern.points = corners;
+  pattern.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return pattern;
 }
 
 std::vector<Page> Tiled(const Pattern& pattern, const Paper& paper = kA4, double overlap = 10) {
@@ -163,6 +169,85 @@ TEST(Tiling, APageHasOnlyWhatItShows) {
   EXPECT_LT(points, 2u * 2000 + 2000);
 }
 
+// Two pieces far from each other along a diagonal: between them there is nothing to print.
+TEST(Tiling, PagesThatWouldBeBlankAreLeftOut) {
+  Pattern pattern = Outlined({{0, 0}, {80, 0}, {80, 80}, {0, 80}});
+  pattern.pieces.push_back(
+      Outlined({{920, 920}, {1000, 920}, {1000, 1000}, {920, 1000}}).pieces[0]);
+  pattern.pieces[1].labels.push_back({{960, 960}, 5, "right", true});
+  const std::vector<Page> pages = Tiled(pattern, {270, 270, false});
+  // 5 rows of 5, numbered as if all of them were there.
+  ASSERT_EQ(pages.size(), 3u);
+  EXPECT_EQ(pages[0].number, 0u);
+  EXPECT_EQ(pages[1].number, 5u);
+  EXPECT_EQ(pages[1].texts.back().text, "page 5 of 25: row 1, column 5");
+  EXPECT_EQ(pages[1].texts.front().text, "right");
+  EXPECT_EQ(pages[2].number, 21u);
+  for (const Page& page : pages) EXPECT_TRUE(Marks(page).empty()) << "there is nothing to join";
+  EXPECT_TRUE(std::any_of(pages[0].texts.begin(), pages[0].texts.end(), [](const PageText& text) {
+    return text.text.starts_with("2 pages in 5 rows of 5, those that would be blank left out");
+  }));
+  const auto dashed = std::count_if(pages[0].lines.begin(), pages[0].lines.end(),
+                                    [](const PageLine& line) { return line.ink.dashed; });
+  EXPECT_EQ(dashed, 23) << "of the overview";
+}
+
+// Inside of a piece there is nothing to see, but paper that is cut out with it.
+TEST(Tiling, PagesInsideOfAPieceAreKept) {
+  EXPECT_EQ(Tiled(Rectangle(1000, 1000)).size(), 1u + 6 * 4);
+  // A frame of four rectangles round nothing.
+  Pattern frame = Outlined({{0, 0}, {1000, 0}, {1000, 1000}, {0, 1000}});
+  frame.points = {{0, 0},   {1000, 0}, {1000, 1000}, {0, 1000},
+                  {50, 50}, {950, 50}, {950, 950},   {50, 950}};
+  frame.pieces[0].lines.push_back(
+      {LineKind::kOutline, true, {frame.points.begin() + 4, frame.points.end()}});
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    const std::uint32_t next = (k + 1) % 4;
+    frame.triangles.push_back({k, next, next + 4});
+    frame.triangles.push_back({k, next + 4, k + 4});
+  }
+  EXPECT_EQ(Tiled(frame).size(), 1u + 6 * 4 - 4 * 2);
+}
+
+TEST(Tiling, MarginsAreAsAskedFor) {
+  for (const double margin : {0.0, 5.0, 20.0}) {
+    const auto pages = TilePages(Rectangle(300, 300), kA4, 10, margin);
+    ASSERT_TRUE(pages) << margin;
+    EXPECT_EQ((*pages)[1].window.min_x, margin);
+    EXPECT_EQ((*pages)[1].window.max_y, (*pages)[1].height - margin);
+    const PageText& number = (*pages)[1].texts.back();
+    EXPECT_GT(number.at.imag(), 1);
+    EXPECT_LT(number.at.imag(), margin + 3);
+  }
+  const auto refused = TilePages(Rectangle(300, 300), kA4, 10, 21);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().field, "margin");
+}
+
+// What PDF cannot say of places that are far away would bend lines that go there.
+TEST(Tiling, PagesHaveNoPlacesThatAreFarFromThem) {
+  const std::vector<Page> pages =
+      Tiled(Outlined({{0, 0}, {5000, 4000}, {4900, 4100}}), {500, 500, false});
+  for (const Page& page : pages) {
+    for (const PageLine& line : page.drawing) {
+      for (const Complex p : line.points) {
+        EXPECT_GT(std::min(p.real(), p.imag()), 0);
+        EXPECT_LT(std::max(p.real(), p.imag()), 500);
+      }
+    }
+  }
+}
+
+TEST(Tiling, ManyLinesAcrossManyPagesAreRefused) {
+  std::vector<Complex> comb;
+  for (int i = 0; i < 6000; ++i) comb.emplace_back(i % 2 == 0 ? 0 : 7000, i);
+  const auto refused = TilePages(Outlined(comb), {210, 297, false}, 10);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().field, "paper");
+  EXPECT_THAT(refused.error().message, HasSubstr("parts"));
+  EXPECT_TRUE(TilePages(Outlined(comb), {3000, 3000, false}, 10));
+}
+
 TEST(Tiling, WhatPaperCannotHoldIsRefused) {
   const auto many = TilePages(Rectangle(1e5, 1e5), kA4, 10);
   ASSERT_FALSE(many);
@@ -185,6 +270,43 @@ TEST(Pdf, HasAllPagesAndNoDate) {
   EXPECT_THAT(*pdf, HasSubstr("/Count 13"));
   EXPECT_THAT(*pdf, Not(HasSubstr("Date")));
   EXPECT_EQ(*FormatPdf(pages), *pdf);
+}
+
+// The colours of strain as the SVG has them, with what they mean and the caption.
+TEST(SheetPage, ColoursAndEdgesInsideAreAsAskedFor) {
+  Pattern pattern = Rectangle(40, 30);
+  pattern.singular_values = {{1.04, 1}, {1, 0.97}};
+  pattern.pieces[0].labels.push_back({{15, 22}, 5, "front", /*is_name=*/true});
+  const Page plain = SheetPage(pattern);
+  EXPECT_TRUE(plain.areas.empty() && plain.texts.empty());
+  EXPECT_EQ(plain.drawing.size(), 1u);
+  const Page page = SheetPage(pattern, {/*strain=*/true, /*interior=*/true, {"caption"}});
+  EXPECT_EQ(page.drawing.size(), 2u);
+  EXPECT_EQ(page.texts.front().text, "caption");
+  EXPECT_EQ(page.texts.back().text, "front");
+  EXPECT_TRUE(std::any_of(page.texts.begin(), page.texts.end(),
+                          [](const PageText& text) { return text.text == "+5 %"; }));
+  // The legend, and the two triangles at true size above it: one red, one blue.
+  ASSERT_EQ(page.areas.size(), 2u * kStrainShades + 1 + 2);
+  const PageArea &blue = page.areas[page.areas.size() - 2], &red = page.areas.back();
+  EXPECT_GT(blue.rgb & 0xffu, blue.rgb >> 16u);
+  EXPECT_GT(red.rgb >> 16u, red.rgb & 0xffu);
+  ASSERT_EQ(red.triangles.size(), 1u);
+  EXPECT_NEAR(std::abs(red.triangles[0][1] - red.triangles[0][0]), 40, 1e-9);
+  EXPECT_GT(red.triangles[0][0].imag(), page.areas.front().triangles[0][2].imag());
+  EXPECT_TRUE(FormatPdf({page}));
+  EXPECT_THAT(FormatPageSvg(page, 3), HasSubstr("<path fill=\"#"));
+}
+
+TEST(Pdf, ShowsTheLettersOfWesternEurope) {
+  for (const char* shown : {"", "plain", "Ärmel", "50 €", "‘…’ – Œ"}) EXPECT_TRUE(PdfShows(shown));
+  for (const char* not_shown : {"μ", "袖", "łódź", "\xff", "\u0085"}) {
+    EXPECT_FALSE(PdfShows(not_shown)) << not_shown;
+  }
+  // Letters that nobody would see are no fault.
+  Page page = SheetPage(Rectangle(50, 50));
+  page.texts.push_back({{10, 10}, 0, "none"});
+  EXPECT_TRUE(FormatPdf({page}));
 }
 
 TEST(Pdf, PagesThatTheFormatDoesNotKnowAreRefused) {

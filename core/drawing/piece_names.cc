@@ -1,0 +1,101 @@
+#include "core/drawing/piece_names.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/base/code_point.h"
+
+namespace arap {
+namespace {
+
+// As a label may show it.
+std::string Cleaned(std::string_view name) {
+  constexpr std::string_view kDots = "...";
+  std::string clean;
+  std::size_t cut = 0;  // where it would be if dots had to follow
+  while (!name.empty()) {
+    const CodePoint point(name);
+    const std::string_view shown = point.IsHarmless() ? name.substr(0, point.length) : "?";
+    if (clean.size() + shown.size() > kLongestPieceName) {
+      clean.resize(cut);
+      return clean.append(kDots);
+    }
+    clean += shown;
+    if (clean.size() + kDots.size() <= kLongestPieceName) cut = clean.size();
+    name.remove_prefix(point.length);
+  }
+  return clean;
+}
+
+// For each chart the number of its name in `names`, where 0 is none.
+std::vector<std::size_t> Elected(const Flattening& flat, std::span<const NamedPart> parts,
+                                 std::vector<std::string>& names) {
+  std::map<std::string, std::size_t> numbers{{{}, 0}};
+  names.emplace_back();
+  std::vector<std::size_t> number_of;  // by part
+  for (const NamedPart& part : parts) {
+    std::string name = Cleaned(part.name);
+    const auto [at, fresh] = numbers.try_emplace(name, names.size());
+    if (fresh) names.push_back(std::move(name));
+    number_of.push_back(at->second);
+  }
+  std::map<std::pair<std::uint32_t, std::size_t>, std::size_t> votes;  // by chart and name
+  std::size_t next = 0;                                                // the part that comes next
+  for (std::size_t t = 0; t < flat.triangle_chart.size(); ++t) {
+    while (next < parts.size() && parts[next].first_triangle <= t) ++next;
+    ++votes[{flat.triangle_chart[t], next == 0 ? 0 : number_of[next - 1]}];
+  }
+  std::vector<std::size_t> elected(flat.charts.size(), 0), most(flat.charts.size(), 0);
+  for (const auto& [what, count] : votes) {
+    const auto& [chart, name] = what;
+    if (chart >= elected.size() || count <= most[chart]) continue;
+    most[chart] = count;
+    elected[chart] = name;
+  }
+  return elected;
+}
+
+}  // namespace
+
+Status CheckParts(std::span<const NamedPart> parts, std::size_t triangles) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const std::uint32_t first = parts[i].first_triangle;
+    if (first < triangles && (i == 0 || parts[i - 1].first_triangle < first)) continue;
+    return Fail(Fault(FaultKind::kInvalidOption,
+                      fmt::format("parts[{}] begins with triangle {}: they come one after the "
+                                  "other, and the surface has {} triangles.",
+                                  i, first, triangles))
+                    .Field(fmt::format("parts[{}].first_triangle", i))
+                    .Detail("triangles", triangles));
+  }
+  return {};
+}
+
+std::vector<std::string> PieceNames(const Flattening& flat, std::span<const NamedPart> parts) {
+  if (parts.empty()) return {};
+  std::vector<std::string> names;
+  const std::vector<std::size_t> elected = Elected(flat, parts, names);
+  std::vector<std::size_t> pieces(names.size(), 0), last(names.size(), 0);  // by name
+  for (const std::size_t name : elected) ++pieces[name];
+  std::set<std::string> taken;
+  for (std::size_t i = 1; i < names.size(); ++i) {
+    if (pieces[i] == 1) taken.insert(names[i]);
+  }
+  std::vector<std::string> out;
+  for (const std::size_t name : elected) {
+    std::string& own = out.emplace_back(names[name]);
+    if (name == 0 || pieces[name] == 1) continue;
+    do {
+      own = fmt::format("{} {}", names[name], ++last[name]);
+    } while (!taken.insert(own).second);
+  }
+  return out;
+}
+
+}  // namespace arap
