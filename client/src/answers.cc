@@ -13,10 +13,12 @@
 #include "arap/v1/deformation_service.pb.h"
 #include "arap/v1/flattening_service.pb.h"
 #include "arap/v1/server_service.pb.h"
+#include "client/src/drawing_answers.h"
 #include "core/base/names.h"
 #include "core/base/plane.h"
 #include "core/base/try.h"
 #include "proto/convert/deform.h"
+#include "proto/convert/drawing.h"
 #include "proto/convert/flatten.h"
 #include "proto/convert/limits.h"
 #include "proto/convert/mesh.h"
@@ -121,8 +123,7 @@ Status CheckChart(const FlatChart& chart, std::size_t positions, std::size_t tri
   return CheckDistortion(chart.distortion, triangles);
 }
 
-// Each corner of the layout is a copy of the vertex that it has in the mesh, or of the one that stands
-// for it.
+// Each corner of the layout is a copy of its vertex in the mesh, or of the one that stands for it.
 Status CheckCorners(const Flattening& flat, const SurfaceMesh& mesh) {
   for (std::size_t t = 0; t < flat.corner_uv.size(); ++t) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -376,6 +377,7 @@ void ToWire(const SurfaceMesh& mesh, const FlattenQuery& query, v1::FlattenReque
   out->set_include_first_step(query.first_step);
   out->set_include_singular_values(query.singular_values);
   out->set_float64(query.float64);
+  convert::ToWire(query.drawings, query.parts, out);
 }
 
 Result<FlatSurface> FromWire(const v1::FlattenResponse& response, const SurfaceMesh& mesh,
@@ -389,7 +391,8 @@ Result<FlatSurface> FromWire(const v1::FlattenResponse& response, const SurfaceM
   }
   TRY(Flattening flat, convert::FromWire(response));
   CHECK_OK(CheckLayout(flat, mesh, query));
-  return FlatSurface{std::move(flat), response.surface_cached(),
+  TRY(std::vector<Drawing> drawings, DrawingsFromWire(response, query));
+  return FlatSurface{std::move(flat), std::move(drawings), response.surface_cached(),
                      convert::Micros(response.queue_time()),
                      convert::Micros(response.solve_time())};
 }

@@ -1,17 +1,24 @@
 // FlatteningService: Flatten and the jobs of it, with their handlers.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <arap/v1/flattening_service.grpc.pb.h>
+#include <fmt/format.h>
 
 #include "arap/core/flattener.h"
 #include "core/base/try.h"
+#include "core/drawing/draw.h"
+#include "core/drawing/piece_names.h"
+#include "proto/convert/drawing.h"
 #include "proto/convert/flatten.h"
 #include "server/budget/faults.h"
+#include "server/flattening/drawings.h"
 #include "server/flattening/flatten_jobs.h"
 #include "server/flattening/prepared_surfaces.h"
 #include "server/rpc/convert.h"
@@ -25,7 +32,8 @@ namespace arap::rpc {
 namespace {
 
 // Bytes that an answer to the request has for certain, before anything is cut.
-std::size_t LeastResponseBytes(const v1::FlattenRequest& request) {
+std::size_t LeastResponseBytes(const v1::FlattenRequest& request,
+                               const std::vector<DrawingOptions>& drawings) {
   const auto varint = [](std::uint32_t value) {
     std::size_t bytes = 1;
     for (; value >= 128; value >>= 7u) ++bytes;
@@ -36,6 +44,7 @@ std::size_t LeastResponseBytes(const v1::FlattenRequest& request) {
   std::size_t bytes = std::size_t{vertices} * (request.float64() ? 16 : 8) + triangles;
   if (request.include_first_step()) bytes += std::size_t{vertices} * 16;
   if (request.include_singular_values()) bytes += triangles * 8;
+  for (const DrawingOptions& options : drawings) bytes += LeastDrawingBytes(options, triangles);
   for (std::uint32_t v = 0; v < vertices; ++v) bytes += varint(v);
   // A copy along a cut has a larger number than the vertex; one that stands for it has a lower one.
   if (request.repair().weld()) return bytes + 3 * triangles;
@@ -51,8 +60,22 @@ Status CheckResponse(std::uint64_t bytes, std::uint64_t most) {
 
 struct Asked {
   FlattenOptions options;
+  std::vector<DrawingOptions> drawings;
+  std::vector<NamedPart> parts;
   SurfaceMesh mesh;
 };
+
+Result<std::vector<DrawingOptions>> CheckedDrawings(const v1::FlattenRequest& request) {
+  TRY(auto drawings, convert::DrawingsFromWire(request));
+  for (std::size_t i = 0; i < drawings.size(); ++i) {
+    auto good = CheckDrawing(drawings[i]);
+    if (good) continue;
+    Fault& fault = good.error();
+    fault.field = fmt::format("drawings[{}].{}", i, fault.field);
+    return Fail(std::move(fault));
+  }
+  return drawings;
+}
 
 // Everything that can be said of a request before memory is taken or work is done.
 Result<Asked> Check(const v1::FlattenRequest& request, const Limits& limits) {
@@ -63,12 +86,26 @@ Result<Asked> Check(const v1::FlattenRequest& request, const Limits& limits) {
   if (auto good = CheckFlattenOptions(asked.options, triangles); !good) {
     return Fail(convert::SpelledForFlatten(std::move(good.error())));
   }
+  TRY(asked.drawings, CheckedDrawings(request));
+  asked.parts = convert::PartsFromWire(request);
+  CHECK_OK(CheckParts(asked.parts, triangles));
   if (request.max_response_bytes() > 0) {
-    CHECK_OK(CheckResponse(LeastResponseBytes(request), request.max_response_bytes()));
+    CHECK_OK(
+        CheckResponse(LeastResponseBytes(request, asked.drawings), request.max_response_bytes()));
   }
   const MeshLimits bounds{limits.max_vertices, limits.max_triangles};
   TRY(asked.mesh, FromWire(request.mesh(), bounds));
   return asked;
+}
+
+// What the drawings are expected to take, with an outline as a disk has it.
+double DrawingMilliseconds(const std::vector<DrawingOptions>& drawings, std::size_t triangles) {
+  const auto border = static_cast<std::size_t>(4 * std::sqrt(static_cast<double>(triangles)));
+  double sum = 0;
+  for (const DrawingOptions& options : drawings) {
+    sum += EstimateDrawing(options, triangles, border).milliseconds;
+  }
+  return sum;
 }
 
 Status FlattenTelling(app::Engine& engine, const v1::FlattenRequest& request, const Call& call,
@@ -79,6 +116,10 @@ Status FlattenTelling(app::Engine& engine, const v1::FlattenRequest& request, co
                                         asked.options, call.cancel, progress);
   if (!answer) return Fail(convert::SpelledForFlatten(std::move(answer.error())));
   CHECK_OK(ToWire(answer->flat, request, response));
+  const app::DrawingOrder order{asked.drawings, asked.parts, asked.options.grain_lines};
+  TRY(auto drawn, app::DrawAll(engine.derived, call.caller, order, answer->flat,
+                               request.max_response_bytes(), call.cancel, progress));
+  convert::ToWire(std::move(drawn.drawings), response);
   response->set_surface_cached(answer->cached);
   SetMicros(call.queue_micros, response->mutable_queue_time());
   SetMicros(working.Micros(), response->mutable_solve_time());
@@ -117,9 +158,11 @@ Status SubmitFlatten(app::Engine& engine, const v1::SubmitFlattenRequest& reques
   TRY(const auto asked, Check(request.flatten(), engine.limits));
   const FlattenCost cost = EstimateFlatten(SizeOf(asked.mesh, asked.options.cut), asked.options,
                                            !request.flatten().surface_key().empty());
+  const double milliseconds =
+      cost.milliseconds + DrawingMilliseconds(asked.drawings, asked.mesh.triangles.size());
   TRY(const auto job,
       engine.flatten_jobs.Submit(call.caller, request.session_id(), request.job_id(),
-                                 request.flatten().SerializeAsString(), 1e-3 * cost.milliseconds));
+                                 request.flatten().SerializeAsString(), 1e-3 * milliseconds));
   ToWire(job, response->mutable_job());
   return {};
 }
@@ -147,13 +190,15 @@ namespace {
 Expected ExpectFlatten(app::Engine& engine, const app::Session*,
                        const v1::FlattenRequest& request) {
   const auto options = convert::FromWire(request, engine.limits.max_refine);
-  if (!options) return {};
+  const auto drawings = convert::DrawingsFromWire(request);
+  if (!options || !drawings) return {};
   // By lengths alone: as if it were one chart, which is the most that it can take.
   const auto vertices = static_cast<std::size_t>(request.mesh().vertices_size()) / 3;
   const auto triangles = static_cast<std::size_t>(request.mesh().triangles_size()) / 3;
-  return {false, 1e-3 * EstimateFlatten({vertices, triangles, 1, vertices}, *options,
-                                        !request.surface_key().empty())
-                            .milliseconds};
+  const double layout =
+      EstimateFlatten({vertices, triangles, 1, vertices}, *options, !request.surface_key().empty())
+          .milliseconds;
+  return {false, 1e-3 * (layout + DrawingMilliseconds(*drawings, triangles))};
 }
 
 }  // namespace

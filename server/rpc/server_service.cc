@@ -30,10 +30,11 @@ constexpr const char* kCapabilities[] = {"basis.edge",          "basis.edge_as_p
                                          "flatten.seams",       "flatten.auto_cut",
                                          "flatten.injective",   "flatten.pins",
                                          "flatten.grain_lines", "flatten.surface_key",
-                                         "result.float64",      "mesh.outline",
-                                         "mesh.repair",         "result.origin",
-                                         "result.float32_le",   "result.int16_le",
-                                         "result.boundary",     "result.subset"};
+                                         "flatten.drawings",    "result.float64",
+                                         "mesh.outline",        "mesh.repair",
+                                         "result.origin",       "result.float32_le",
+                                         "result.int16_le",     "result.boundary",
+                                         "result.subset"};
 
 class UnknownMethods final : public grpc::CallbackGenericService {
  public:

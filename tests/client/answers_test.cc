@@ -350,5 +350,37 @@ TEST_F(AnswersTest, LayoutsFitTheSurface) {
   EXPECT_TRUE(refused([](Response& flat) { flat.mutable_distortion()->set_arap_energy(kNan); }));
 }
 
+TEST_F(AnswersTest, DrawingsAreThoseThatWereAsked) {
+  const SurfaceMesh surface{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+  FlattenQuery query{.first_step = true, .singular_values = true};
+  query.drawings = {{.format = DrawingFormat::kPdf}, {.paper = "A4"}};
+  using Response = v1::FlattenResponse;
+  const auto answered = [&](auto change) {
+    Change<Response>([&](Response& flat) {
+      flat.add_drawings()->add_files()->set_data("%PDF");
+      for (const char* page : {"cover", "1", "12"}) {
+        v1::DrawingFile& file =
+            *(flat.drawings_size() < 2 ? flat.add_drawings() : flat.mutable_drawings(1))
+                 ->add_files();
+        file.set_page(page);
+        file.set_data("<svg/>");
+      }
+      change(flat);
+    });
+    return client_.Flatten(surface, query).has_value();
+  };
+  EXPECT_TRUE(answered([](Response&) {}));
+  EXPECT_FALSE(answered([](Response& flat) { flat.clear_drawings(); }));
+  EXPECT_FALSE(answered([](Response& flat) { flat.add_drawings(); }));
+  EXPECT_FALSE(answered([](Response& flat) { flat.mutable_drawings(0)->clear_files(); }));
+  EXPECT_FALSE(answered([](Response& flat) { flat.mutable_drawings(0)->add_files(); }));
+  EXPECT_FALSE(
+      answered([](Response& flat) { flat.mutable_drawings(0)->mutable_files(0)->set_page("1"); }));
+  EXPECT_FALSE(
+      answered([](Response& flat) { flat.mutable_drawings(0)->mutable_files(0)->clear_data(); }));
+  EXPECT_FALSE(answered(
+      [](Response& flat) { flat.mutable_drawings(1)->mutable_files(1)->set_page("../1"); }));
+}
+
 }  // namespace
 }  // namespace arap::client

@@ -244,6 +244,31 @@ void PutFlattening(const Seeds& seeds) {
   }
 }
 
+void PutDrawings(const Seeds& seeds) {
+  for (int format = 1; format <= 3; ++format) {
+    v1::FlattenRequest request = FlattenRequestOf(false);
+    for (const std::uint32_t vertex : {4u, 5u, 5u, 6u, 6u, 7u}) request.add_seam_edges(vertex);
+    v1::DrawingOptions& drawing = *request.add_drawings();
+    drawing.set_format(static_cast<v1::DrawingFormat>(format));
+    drawing.set_millimetres_per_unit(10);
+    drawing.set_allowance(3);
+    drawing.set_corners(static_cast<v1::AllowanceCorners>(format));
+    drawing.set_notches(true);
+    drawing.set_sheet_width(50);
+    drawing.set_interior(format == 1);
+    v1::NamedPart& part = *request.add_parts();
+    part.set_first_triangle(3);
+    part.set_name("\xc3\xa4 & <b>");
+    seeds.Put("flatten", "drawing_" + std::to_string(format), Call(0, request));
+    if (format == 2) continue;
+    drawing.clear_interior();
+    drawing.set_paper("100x120");
+    drawing.set_overlap(20);
+    drawing.set_margin(5);
+    seeds.Put("flatten", "pages_" + std::to_string(format), Call(0, request));
+  }
+}
+
 // Methods as request_targets.cc has them.
 void PutJobs(const Seeds& seeds) {
   v1::SubmitFlattenRequest submit;
@@ -364,6 +389,7 @@ int main(int argc, char** argv) {
   arap::fuzz::PutDeformation(seeds);
   arap::fuzz::PutStreams(seeds);
   arap::fuzz::PutFlattening(seeds);
+  arap::fuzz::PutDrawings(seeds);
   arap::fuzz::PutJobs(seeds);
   arap::fuzz::PutCore(seeds);
   arap::fuzz::PutPolicy(seeds);

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "proto/convert/deform.h"
+#include "proto/convert/drawing.h"
 #include "proto/convert/flatten.h"
 #include "proto/convert/mesh.h"
 #include "proto/convert/plain.h"
@@ -200,6 +201,42 @@ TEST(RoundTrip, FlattenOptions) {
   v1::FlattenRequest request;
   ToWire(options, &request);
   EXPECT_EQ(FromWire(request, kMaxRefine), options);
+}
+
+TEST(RoundTrip, Drawings) {
+  std::vector<DrawingOptions> drawings(3);
+  drawings[0].millimetres_per_unit = 25.4;
+  drawings[0].interior = true;
+  drawings[1].format = DrawingFormat::kDxf;
+  drawings[1].allowance = 12.5;
+  drawings[1].corners = Corners::kSquare;
+  drawings[1].notches = true;
+  drawings[1].sheet_width = 1400;
+  drawings[2].format = DrawingFormat::kPdf;
+  drawings[2].corners = Corners::kRound;
+  drawings[2].paper = "A3";
+  drawings[2].overlap = 0;
+  drawings[2].margin = 0;
+  drawings[2].plain = true;
+  const std::vector<NamedPart> parts{{0, "front"}, {7, ""}};
+  v1::FlattenRequest request;
+  ToWire(drawings, parts, &request);
+  EXPECT_EQ(DrawingsFromWire(request), drawings);
+  EXPECT_EQ(PartsFromWire(request), parts);
+  // What is left open.
+  request.clear_drawings();
+  request.add_drawings()->set_format(v1::DRAWING_FORMAT_SVG);
+  EXPECT_EQ(DrawingsFromWire(request), std::vector<DrawingOptions>(1));
+  request.add_drawings();
+  EXPECT_EQ(DrawingsFromWire(request).error().field, "drawings[1].format");
+
+  v1::FlattenResponse response;
+  ToWire({{{{"cover", "<svg>"}, {"1", std::string("\0\xff", 2)}}, {{"kind", 1, {2}, "A."}}}},
+         &response);
+  const std::vector<Drawing> back = DrawingsFromWire(response);
+  ASSERT_EQ(back.size(), 1u);
+  EXPECT_EQ(back[0].files[1], (DrawingFile{"1", std::string("\0\xff", 2)}));
+  EXPECT_EQ(back[0].warnings[0].message, "A.");
 }
 
 // What a request of an older client leaves open.

@@ -5,15 +5,22 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "arap/client/mesh.h"
+#include "arap/model/drawing.h"
 #include "arap/model/flatten.h"
 
 namespace arap::client {
 
 using arap::AbfOptions;
 using arap::ArapOptions;
+using arap::Corners;
 using arap::Distortion;
+using arap::Drawing;
+using arap::DrawingFile;
+using arap::DrawingFormat;
+using arap::DrawingOptions;
 using arap::FirstStepOptions;
 using arap::FlatChart;
 using arap::FlattenAnchors;
@@ -22,6 +29,7 @@ using arap::FlattenMethod;
 using arap::FlattenOptions;
 using arap::GrainLine;
 using arap::LscmOptions;
+using arap::NamedPart;
 using arap::UvPin;
 
 // How to flatten, and how to answer.
@@ -37,15 +45,20 @@ struct FlattenQuery {
   bool first_step = false;       // also answer the result of the first step
   bool singular_values = false;  // also answer s1 and s2 of every triangle
   bool float64 = false;          // uv in double precision on the wire, else in single
+  // Also answer these drawings, at most kMaxDrawings. A server of before them answers kInternal.
+  std::vector<DrawingOptions> drawings = {};
+  // What the pieces of drawings are called: as the part that most of their triangles are of.
+  std::vector<NamedPart> parts = {};
 };
 
 // The answer to Flatten.
 struct FlatSurface {
   // first_step and singular_values when asked, `times` never. Indices are as the server sent them.
   Flattening flat;
-  bool surface_cached = false;  // the server had the surface under surface_key
-  double queue_micros = 0;      // time spent waiting for a worker
-  double solve_micros = 0;      // time spent computing
+  std::vector<Drawing> drawings;  // one for each that was asked for, in their order
+  bool surface_cached = false;    // the server had the surface under surface_key
+  double queue_micros = 0;        // time spent waiting for a worker
+  double solve_micros = 0;        // time spent computing
 };
 
 enum class JobState {
@@ -60,7 +73,7 @@ enum class JobState {
 struct FlattenJob {
   std::string id;
   JobState state = JobState::kWaiting;
-  std::string phase;            // while it runs: "cutting", "charts", "layout", "storing"
+  std::string phase;            // while it runs: "layout", "drawing", "storing"…
   double fraction = 0;          // of the work, an estimate until it is 1; falls only when a server
                                 // that was started anew begins the job again
   std::uint32_t place = 0;      // how many jobs start before it, while it waits
