@@ -1,7 +1,6 @@
 // Runs of numbers on the wire. proto3 packs them: one length, then the numbers one behind the
 // other, floating point ones little-endian, integers as varints. Floating point runs become typed
-// arrays without looking at a single number: a view where the bytes lie on their boundary, else one
-// copy of the block.
+// arrays without looking at a single number: views of the message where that can be, else copies.
 import { endianness } from "node:os";
 
 /** Numbers that a caller may give. They are copied: the caller's array may change at once. */
@@ -16,9 +15,9 @@ type Constructor<T> = {
   BYTES_PER_ELEMENT: number;
 };
 
-// Of a run in a message that was decoded and is not read again. A view of where the bytes lie, moved by
-// up to three bytes to their boundary: the tag and the length before a run of 128 bytes and more take as
-// many, and have been read. Else a copy.
+// Of a run in a message that was decoded and is not read again. A view of where the bytes lie,
+// moved by up to three bytes to their boundary: the tag and the length before a run of 128 bytes
+// and more take as many, and have been read. Else a copy.
 function view<T>(bytes: Uint8Array, type: Constructor<T>): T {
   const size = type.BYTES_PER_ELEMENT;
   if (bytes.length % size !== 0) {
