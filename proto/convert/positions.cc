@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <string>
 
@@ -39,7 +40,7 @@ struct Box {
 // kNumerical when one is so far away that what is near it may not be a number.
 Result<Box> BoxAround(std::span<const Complex> points) {
   double left = kLargest, right = -kLargest, bottom = kLargest, top = -kLargest;
-  for (const Complex point : points) {
+  for (const Complex& point : points) {
     left = std::min(left, point.real());
     right = std::max(right, point.real());
     bottom = std::min(bottom, point.imag());
@@ -58,21 +59,30 @@ void SetOrigin(Complex origin, v1::Shape* out) {
 
 // Little-endian, whatever this machine is.
 template <class Unsigned>
-char* Put(Unsigned value, char* out) {
-  for (std::size_t i = 0; i < sizeof(value); ++i) {
-    *out++ = static_cast<char>(static_cast<unsigned char>(value >> (8 * i)));
+Unsigned Turned(Unsigned value) {
+  if constexpr (std::endian::native == std::endian::little) {
+    return value;
+  } else {
+    Unsigned turned = 0;
+    for (std::size_t i = 0; i < sizeof(value); ++i) {
+      turned = static_cast<Unsigned>((turned << 8u) | (value >> (8 * i) & 0xffu));
+    }
+    return turned;
   }
-  return out;
+}
+
+template <class Unsigned>
+char* Put(Unsigned value, char* out) {
+  value = Turned(value);
+  std::memcpy(out, &value, sizeof(value));
+  return out + sizeof(value);
 }
 
 template <class Unsigned>
 Unsigned Take(const char* in) {
   Unsigned value = 0;
-  for (std::size_t i = 0; i < sizeof(value); ++i) {
-    const auto byte = static_cast<unsigned char>(in[i]);
-    value = static_cast<Unsigned>(value | static_cast<Unsigned>(Unsigned{byte} << (8 * i)));
-  }
-  return value;
+  std::memcpy(&value, in, sizeof(value));
+  return Turned(value);
 }
 
 char* PutFloat(double value, char* out) {
@@ -83,22 +93,22 @@ Status WriteFloats(std::span<const Complex> points, Complex origin, std::string*
   constexpr auto kLargestFloat = static_cast<double>(std::numeric_limits<float>::max());
   out->resize(2 * sizeof(float) * points.size());
   char* next = out->data();
-  for (const Complex point : points) {
-    const Complex place = point - origin;
+  const double x0 = origin.real(), y0 = origin.imag();
+  for (const Complex& point : points) {
+    const double x = point.real() - x0, y = point.imag() - y0;
     // Written so that NaN fails too.
-    if (!(std::abs(place.real()) <= kLargestFloat && std::abs(place.imag()) <= kLargestFloat)) {
-      return Unfit();
-    }
-    next = PutFloat(place.imag(), PutFloat(place.real(), next));
+    if (!(std::abs(x) <= kLargestFloat && std::abs(y) <= kLargestFloat)) return Unfit();
+    next = PutFloat(y, PutFloat(x, next));
   }
   return {};
 }
 
-// The nearest integer of a finite number that is, but for rounding, at most kInt16Steps.
+// The nearest integer of a number that is finite and, but for rounding, at most kInt16Steps.
 char* PutStep(double steps, char* out) {
   constexpr double kMost = kInt16Steps;
-  const auto whole = static_cast<std::int16_t>(std::clamp(std::nearbyint(steps), -kMost, kMost));
-  return Put(static_cast<std::uint16_t>(whole), out);
+  // A conversion cuts off, so what it gets is positive; that is quicker than to call for a rounding.
+  const int whole = static_cast<int>(std::clamp(steps, -kMost, kMost) + (kMost + 0.5));
+  return Put(static_cast<std::uint16_t>(whole - kInt16Steps), out);
 }
 
 Status WriteSteps(std::span<const Complex> points, v1::Shape* out) {
@@ -107,11 +117,12 @@ Status WriteSteps(std::span<const Complex> points, v1::Shape* out) {
   std::string& bytes = *out->mutable_packed_positions();
   bytes.assign(2 * sizeof(std::int16_t) * points.size(), '\0');
   char* next = bytes.data();
-  for (const Complex point : points) {
-    const Complex place = point - box.middle;
-    if (!std::isfinite(place.real()) || !std::isfinite(place.imag())) return Unfit();
+  const double x0 = box.middle.real(), y0 = box.middle.imag();
+  for (const Complex& point : points) {
+    const double x = point.real() - x0, y = point.imag() - y0;
+    if (!std::isfinite(x) || !std::isfinite(y)) return Unfit();
     if (scale == 0) continue;
-    next = PutStep(place.imag() / scale, PutStep(place.real() / scale, next));
+    next = PutStep(y / scale, PutStep(x / scale, next));
   }
   SetOrigin(box.middle, out);
   out->set_scale(scale);
@@ -138,11 +149,12 @@ template <class At>
 ReadPositions AddOrigin(std::size_t floats, Complex origin, const At& at) {
   ReadPositions read;
   read.positions.resize(floats / 2);
+  const double x0 = origin.real(), y0 = origin.imag();
   double farthest = 0;
   for (std::size_t i = 0; i < read.positions.size(); ++i) {
     const auto x = static_cast<double>(at(2 * i)), y = static_cast<double>(at(2 * i + 1));
     farthest = std::max({farthest, std::abs(x), std::abs(y)});
-    read.positions[i] = origin + Complex(x, y);
+    read.positions[i] = {x0 + x, y0 + y};
   }
   read.error = farthest * static_cast<double>(std::numeric_limits<float>::epsilon()) / 2;
   return read;
@@ -159,7 +171,7 @@ Result<ReadPositions> ReadSteps(const std::string& bytes, Complex origin, double
     return static_cast<double>(static_cast<std::int16_t>(Take<std::uint16_t>(&bytes[2 * i])));
   };
   for (std::size_t i = 0; i < bytes.size() / 2; i += 2) {
-    read.positions.push_back(origin + scale * Complex(at(i), at(i + 1)));
+    read.positions.emplace_back(origin.real() + scale * at(i), origin.imag() + scale * at(i + 1));
   }
   read.error = scale / 2;
   return read;
