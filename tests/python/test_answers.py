@@ -175,6 +175,9 @@ CORNERS = SURFACE[1].ravel()
     ({"cut_edges": [0, 99]}, {}, "only 9"),
     ({"welded_vertex": range(9)}, {}, "welded"),
     ({"left_out_triangles": [8]}, {}, "only 8"),
+    ({}, {"drawings": [arapd.DrawingOptions("svg")]}, "0 drawings, not 1"),
+    ({"drawings": [message("Drawing")()]}, {"drawings": [arapd.DrawingOptions("svg")]},
+     "without its files"),
 ])
 def test_layouts(tmp_path, fields, options, says):
     answer = flattened(SURFACE[1], **fields)

@@ -128,6 +128,17 @@ def test_seams_pins_and_grain_lines(client):
     assert along[8][0] == pytest.approx(along[0][0], abs=1e-4)
 
 
+def test_layouts_are_drawn(client):
+    flat = client.flatten(*bent(), arapd.FlattenOptions(parts=[(0, "sleeve")], drawings=[
+        arapd.DrawingOptions("dxf", millimetres_per_unit=10, allowance=10, corners="round"),
+        arapd.DrawingOptions("svg", paper="A5", overlap=5, margin=8, millimetres_per_unit=30)]))
+    dxf, pages = flat.drawings
+    assert [file.page for file in dxf.files] == [""]
+    assert b"SECTION" in dxf.files[0].data and b"CUT" in dxf.files[0].data
+    assert pages.files[0].page == "cover" and len(pages.files) > 2
+    assert all(b"<svg" in file.data for file in pages.files)
+
+
 def test_outlines_become_a_mesh(client, session):
     square = np.array([(0, 0), (10, 0), (10, 10), (0, 10)], float)
     mesh = client.mesh_outline([square, square / 2 + 2.5], 200)

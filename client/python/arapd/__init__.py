@@ -19,13 +19,14 @@ from ._channel import ConnectOptions
 from ._stream_state import StreamOptions
 from ._sync import Client, Session, Stream, connect
 from .faults import ArapError, Reason
-from .model import (Chart, Compilation, Distortion, Energy, FlattenOptions, Flattening, GrainLine,
+from .model import (Chart, Compilation, Distortion, Drawing, DrawingFile, DrawingOptions, Energy, FlattenOptions, Flattening, GrainLine,
                     Handle, HandleSet, Job, MeshInfo, OutlineMesh, Pick, Pin, PlacedHandle, Pong,
                     Registration, Repair, Resumed, ServerInfo, SessionInfo, SessionPage, Shape,
                     ShapeOptions, Target, UpdateError, Warning)
 
 __all__ = [
-    "ArapError", "CallOptions", "Chart", "Client", "Compilation", "ConnectOptions", "Distortion",
+    "ArapError", "CallOptions", "Chart", "Client", "Compilation", "ConnectOptions", "Distortion", "Drawing",
+    "DrawingFile", "DrawingOptions",
     "Energy", "FlattenOptions", "Flattening", "GrainLine", "Handle", "HandleSet", "Job", "MeshInfo",
     "OutlineMesh", "Pick", "Pin", "PlacedHandle", "Pong", "QUICK_LIMIT", "Reason", "Registration",
     "Repair", "Resumed", "ServerInfo", "Session", "SessionInfo", "SessionPage", "Shape",

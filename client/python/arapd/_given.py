@@ -98,6 +98,23 @@ class GrainLine:
 
 
 @_plain
+class DrawingOptions:
+    """A layout as a file at true size. Lengths are millimetres."""
+
+    format: str  # "svg", "dxf" or "pdf"
+    millimetres_per_unit: float | None = None  # of the mesh: 10 for centimetres; None: 1
+    allowance: float = 0  # round the pieces, for seams
+    corners: str | None = None  # "mitre" (None), "square" or "round"
+    notches: bool = False  # pair the two sides of every seam
+    sheet_width: float = 0  # pack the pieces into a roll of this width; 0: as they were laid
+    paper: str = ""  # pages of a PDF or SVG to join: "A4", "letter", "210x297"; "": in one piece
+    overlap: float | None = None  # of pages with their neighbours; None: 10
+    interior: bool = False  # show the edges inside too
+    plain: bool = False  # nothing besides the lines
+    margin: float | None = None  # what the printer does not reach; None: 10
+
+
+@_plain
 class FlattenOptions:
     """How to flatten, and how to answer. None: what docs/protocol.md says of the method."""
 
@@ -118,3 +135,6 @@ class FlattenOptions:
     first_step: bool = False  # also answer the result of the first step
     singular_values: bool = False  # also answer s1 and s2 of every triangle
     float64: bool = False  # uv in double precision, else in single
+    drawings: Sequence[DrawingOptions] = ()  # also answer the layout as these files, at most 16
+    # Names of pieces in drawings: (first triangle, name) of each object of a file, in order.
+    parts: Sequence[tuple[int, str]] = ()

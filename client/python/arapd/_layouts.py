@@ -36,6 +36,13 @@ def _chart(message: Any, positions: int, triangles: int) -> model.Chart:
         message.refinements)
 
 
+def _drawing(message: Any) -> model.Drawing:
+    if not message.files or not all(file.data for file in message.files):
+        refuse("a drawing without its files.")
+    return model.Drawing(tuple(model.DrawingFile(file.page, file.data) for file in message.files),
+                         warnings(message.warnings))
+
+
 def _check_corners(corners: np.ndarray, triangles: np.ndarray, source: np.ndarray,
                    welded: np.ndarray) -> None:
     """Each corner is a copy of the vertex that it has in the mesh, or of who stands for that."""
@@ -78,11 +85,12 @@ def flattening(message: Any, triangles: np.ndarray, vertex_count: int,
     cuts = check.groups(check.indices(message.cut_edges, vertex_count, "vertex"), 2, "cuts")
     if message.auto_cut_count > len(cuts):
         refuse(f"{message.auto_cut_count} automatic cuts of {len(cuts)}.")
+    check.count(len(message.drawings), len(options.drawings), "drawings")
     return model.Flattening(
         uv, source, corners, welded, triangle_chart, charts, cuts, message.auto_cut_count,
         check.indices(message.left_out_triangles, len(triangles), "triangle"), first_step, singular,
         _distortion(message.distortion, len(triangles)), warnings(message.warnings),
-        message.boundary_overlaps, message.surface_cached, seconds(message.queue_time),
+        tuple(_drawing(drawing) for drawing in message.drawings), message.boundary_overlaps, message.surface_cached, seconds(message.queue_time),
         seconds(message.solve_time))
 
 

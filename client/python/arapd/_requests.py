@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _wire
-from .model import Energy, FlattenOptions, Handle, Repair, ShapeOptions, Target, Targets
+from .model import (DrawingOptions, Energy, FlattenOptions, Handle, Repair, ShapeOptions, Target,
+                    Targets)
 
 message = _wire.message
 _HandleTarget = message("HandleTarget")
@@ -185,6 +186,20 @@ def set_flatten(out: Any, vertices: Any, triangles: Any, options: FlattenOptions
     out.include_first_step = options.first_step
     out.include_singular_values = options.singular_values
     out.float64 = options.float64
+    for drawing in options.drawings:
+        _set_drawing(out.drawings.add(), drawing)
+    for first_triangle, name in options.parts:
+        out.parts.add(first_triangle=first_triangle, name=name)
+
+
+def _set_drawing(out: Any, drawing: DrawingOptions) -> None:
+    out.format = choice("DrawingFormat", "DRAWING_FORMAT", drawing.format, "format")
+    out.corners = choice("AllowanceCorners", "ALLOWANCE_CORNERS", drawing.corners, "corners")
+    for name in ("millimetres_per_unit", "allowance", "notches", "sheet_width", "paper", "overlap",
+                 "interior", "plain", "margin"):
+        value = getattr(drawing, name)
+        if value is not None:
+            setattr(out, name, value)
 
 
 def set_duration(out: Any, seconds: float) -> None:

@@ -198,6 +198,18 @@ class Chart:
 
 
 @_value
+class DrawingFile:
+    page: str  # "cover" or a number where there is a file for each; else ""
+    data: bytes
+
+
+@_value
+class Drawing:
+    files: tuple[DrawingFile, ...]
+    warnings: tuple[Warning, ...]  # what is doubtful in it; elements are places in charts
+
+
+@_value
 class Flattening:
     """A flat surface, true to size."""
 
@@ -214,6 +226,7 @@ class Flattening:
     singular_values: np.ndarray  # #F×2 when asked, else 0×2
     distortion: Distortion
     warnings: tuple[Warning, ...]
+    drawings: tuple[Drawing, ...]  # in the order in which they were asked for
     boundary_overlaps: bool
     surface_cached: bool
     queue_seconds: float

@@ -6,14 +6,15 @@ says degrees. What a call takes as an array may be anything that numpy makes one
 answers are numpy's, and read-only.
 """
 
-from ._given import (Energy, FlattenOptions, GrainLine, Handle, Pin, Repair, ShapeOptions, Target,
+from ._given import (DrawingOptions, Energy, FlattenOptions, GrainLine, Handle, Pin, Repair, ShapeOptions, Target,
                      Targets)
-from ._told import (Chart, Compilation, Distortion, Flattening, HandleSet, Job, MeshInfo,
+from ._told import (Chart, Compilation, Distortion, Drawing, DrawingFile, Flattening, HandleSet, Job, MeshInfo,
                     OutlineMesh, Pick, PlacedHandle, Pong, Registration, Resumed, ServerInfo,
                     SessionInfo, SessionPage, Shape, UpdateError, Warning)
 
 __all__ = [
-    "Chart", "Compilation", "Distortion", "Energy", "FlattenOptions", "Flattening", "GrainLine",
+    "Chart", "Compilation", "Distortion", "Drawing", "DrawingFile",
+    "DrawingOptions", "Energy", "FlattenOptions", "Flattening", "GrainLine",
     "Handle", "HandleSet", "Job", "MeshInfo", "OutlineMesh", "Pick", "Pin", "PlacedHandle", "Pong",
     "Registration", "Repair", "Resumed", "ServerInfo", "SessionInfo", "SessionPage", "Shape",
     "ShapeOptions", "Target", "Targets", "UpdateError", "Warning",
