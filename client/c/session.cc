@@ -285,8 +285,7 @@ arap_error* arap_deform(const arap_session* session, const char* handle_set_id,
     CHECK_OK(Need(out, "out"));
     TRY(const auto id, IdOf(handle_set_id, "handle_set_id"));
     TRY(const auto ours, arap::c::TargetsOf(targets, target_count));
-    TRY(const auto given, OptionsOf(options, "options"));
-    TRY(const auto shaping, arap::c::ShapeOptionsOf(given));
+    TRY(const auto shaping, arap::c::ShapeOptionsOf(options, "options"));
     TRY(const auto calling, CallOf(call));
     TRY(auto shape, session->session.Deform(id, ours, shaping, {}, calling));
     *out = new arap_shape{std::move(shape)};

@@ -47,7 +47,52 @@ std::unique_ptr<arap_event> EventOf(std::optional<client::StreamEvent>&& event) 
   return ours;
 }
 
+Result<client::DeformMode> ModeOf(std::int32_t mode) {
+  switch (mode) {
+    case ARAP_MODE_DEFAULT:
+    case ARAP_MODE_RIGID:
+      return client::DeformMode::kRigid;
+    case ARAP_MODE_SIMILARITY:
+      return client::DeformMode::kSimilarity;
+    case ARAP_MODE_BASELINE:
+      return client::DeformMode::kBaseline;
+    default:
+      return Fail(Bad("mode", "There is no mode with the number " + std::to_string(mode) + "."));
+  }
+}
+
+Result<client::PositionEncoding> EncodingOf(std::int32_t encoding) {
+  switch (encoding) {
+    case ARAP_ENCODING_DEFAULT:
+    case ARAP_FLOAT32:
+      return client::PositionEncoding::kFloat32;
+    case ARAP_FLOAT32_LE:
+      return client::PositionEncoding::kFloat32Le;
+    case ARAP_INT16_LE:
+      return client::PositionEncoding::kInt16Le;
+    default:
+      return Fail(Bad("encoding",
+                      "There is no encoding with the number " + std::to_string(encoding) + "."));
+  }
+}
+
 }  // namespace
+
+Result<client::ShapeOptions> ShapeOptionsOf(const arap_shape_options* options, const char* field) {
+  TRY(const auto given, OptionsOf(options, field));
+  client::ShapeOptions ours;
+  TRY(ours.deform.mode, ModeOf(given.mode));
+  if (given.refine < 0) return Fail(Bad("refine", "refine is below 0."));
+  ours.deform.refine = given.refine;
+  ours.float64 = given.float64 != 0;
+  ours.flipped_ids = given.flipped_ids != 0;
+  TRY(ours.encoding, EncodingOf(given.encoding));
+  ours.boundary_only = given.boundary_only != 0;
+  TRY(const auto subset, ArrayOf(given.vertex_subset, given.vertex_subset_count, "vertex_subset"));
+  ours.vertex_subset.assign(subset.begin(), subset.end());
+  return ours;
+}
+
 }  // namespace arap::c
 
 extern "C" {
@@ -56,6 +101,10 @@ size_t arap_shape_vertex_count(const arap_shape* shape) { return shape->shape.po
 const double* arap_shape_positions(const arap_shape* shape) {
   return arap::c::Doubles(shape->shape.positions);
 }
+const uint32_t* arap_shape_vertices(const arap_shape* shape) {
+  return shape->shape.vertices.empty() ? nullptr : shape->shape.vertices.data();
+}
+double arap_shape_position_error(const arap_shape* shape) { return shape->shape.position_error; }
 arap_quality arap_shape_quality(const arap_shape* shape) {
   const client::ShapeQuality& quality = shape->shape.quality;
   return {quality.flipped, quality.worst_handle_error, quality.energy, quality.mean_stretch,
@@ -83,7 +132,7 @@ arap_error* arap_open_stream(const arap_session* session, const char* handle_set
     TRY(const auto given, arap::c::OptionsOf(options, "options"));
     client::StreamOptions ours;
     ours.delivery = given.every != 0 ? client::Delivery::kEvery : client::Delivery::kLatest;
-    TRY(ours.shape, arap::c::ShapeOptionsOf(given));
+    TRY(ours.shape, arap::c::ShapeOptionsOf(given.shape, "options.shape"));
     const std::chrono::milliseconds none{0};
     ours.heartbeat = arap::c::MillisOf(given.heartbeat_ms, ours.heartbeat, none);
     ours.silence = arap::c::MillisOf(given.silence_ms, ours.silence, ours.silence);

@@ -40,7 +40,7 @@ const char* CPrepare(const char* address, arap_client** client, arap_session** s
 
 /* Everything moved by (10, 20). */
 static const char* CheckMoved(const arap_shape* shape) {
-  MUST(arap_shape_vertex_count(shape) == kVertices);
+  MUST(arap_shape_vertex_count(shape) == kVertices && arap_shape_vertices(shape) == NULL);
   for (int i = 0; i < kVertices; ++i) {
     MUST(Near(arap_shape_positions(shape)[2 * i], kPlane[2 * i] + 10));
     MUST(Near(arap_shape_positions(shape)[2 * i + 1], kPlane[2 * i + 1] + 20));
@@ -69,9 +69,23 @@ const char* CDrag(const char* address) {
   if (wrong != NULL) return wrong;
   arap_shape_free(shape);
 
+  /* Two of the vertices, in two bytes each. */
+  const uint32_t some[] = {5, 0};
+  arap_shape_options few = ARAP_OPTIONS(arap_shape_options);
+  few.encoding = ARAP_INT16_LE;
+  few.vertex_subset = some;
+  few.vertex_subset_count = 2;
+  WELL(arap_deform(session, "set", targets, 3, &few, NULL, &shape));
+  MUST(arap_shape_vertex_count(shape) == 2 && arap_shape_vertices(shape)[0] == 5);
+  const double error = arap_shape_position_error(shape);
+  MUST(error > 0 && error < 1e-3);
+  MUST(fabs(arap_shape_positions(shape)[0] - 12) <= error + 1e-6);
+  MUST(fabs(arap_shape_positions(shape)[3] - 20) <= error + 1e-6);
+  arap_shape_free(shape);
+
   arap_stream_options options = ARAP_OPTIONS(arap_stream_options);
   options.every = 1;
-  options.float64 = 1;
+  options.shape = &shaping;
   options.heartbeat_ms = -1;
   options.resume_within_ms = 10000;
   arap_stream* stream = NULL;

@@ -125,6 +125,14 @@ const char* CBadArguments(void) {
   shaping.mode = 0;
   shaping.refine = -1;
   REFUSED(arap_deform(session, "set", NULL, 0, &shaping, NULL, &shape), "INVALID_OPTION", "refine");
+  shaping.refine = 0;
+  shaping.encoding = 4;
+  REFUSED(arap_deform(session, "set", NULL, 0, &shaping, NULL, &shape), "INVALID_OPTION",
+          "encoding");
+  shaping.encoding = 0;
+  shaping.vertex_subset_count = 1;
+  REFUSED(arap_deform(session, "set", NULL, 0, &shaping, NULL, &shape), "INVALID_OPTION",
+          "vertex_subset");
   REFUSED(arap_deform(session, "set", NULL, 1, NULL, NULL, &shape), "INVALID_OPTION", "targets");
   REFUSED(arap_deform(session, "set", NULL, 0, NULL, NULL, NULL), "INVALID_OPTION", "out");
   arap_event* event = NULL;

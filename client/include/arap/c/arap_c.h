@@ -34,8 +34,7 @@
 // is sizeof the struct as the caller knows it (ARAP_OPTIONS sets it): members that a later version
 // adds are then the default. Structs without `size` never change.
 //
-// What the calls mean, their limits and what they cost is said in arap/client/client.h, session.h
-// and deform_stream.h, and in docs/protocol.md; all of it holds here.
+// What calls mean, their limits and costs: arap/client/*.h and docs/protocol.md; it all holds here.
 #pragma once
 
 #include <stddef.h>
@@ -56,7 +55,6 @@ const char* arap_version(void);
 // ---- Errors and warnings ----
 
 typedef struct arap_error arap_error;
-
 // One word for what is wrong, for programs: "NOT_A_DISK"; docs/protocol.md has all of them.
 const char* arap_error_reason(const arap_error* error);
 // A sentence for people; one from a server may hold anything that UTF-8 can say.
@@ -79,7 +77,6 @@ void arap_error_free(arap_error* error);
 
 // Things that were repaired or ignored. Part of an answer.
 typedef struct arap_warnings arap_warnings;
-
 size_t arap_warning_count(const arap_warnings* warnings);
 // For programs ("reversed_triangles"), for people, how many elements; NULL and 0 past the end.
 const char* arap_warning_kind(const arap_warnings* warnings, size_t index);
@@ -135,7 +132,6 @@ void arap_session_free(arap_session* session);
 // ---- Meshes ----
 
 typedef struct arap_mesh arap_mesh;
-
 // What a cell of the energy is (arap/model/energy.h), and how much an edge counts.
 enum {
   ARAP_BASIS_DEFAULT,
@@ -226,13 +222,19 @@ void arap_handle_set_free(arap_handle_set* set);
 typedef struct arap_shape arap_shape;
 
 enum { ARAP_MODE_DEFAULT, ARAP_MODE_RIGID, ARAP_MODE_SIMILARITY, ARAP_MODE_BASELINE };
+// How positions travel (arap/model/encoding.h).
+enum { ARAP_ENCODING_DEFAULT, ARAP_FLOAT32, ARAP_FLOAT32_LE, ARAP_INT16_LE };
 
 typedef struct arap_shape_options {
   size_t size;
-  int32_t mode;         // what is minimised (arap/model/deform.h); default RIGID
-  int32_t refine;       // repetitions of the second step, 0 to 1000
-  int32_t float64;      // 1: positions in double precision on the wire, else in single
-  int32_t flipped_ids;  // 1: also the ids of flipped triangles
+  int32_t mode;                   // what is minimised (arap/model/deform.h); default RIGID
+  int32_t refine;                 // repetitions of the second step, 0 to 1000
+  int32_t float64;                // 1: positions in double precision on the wire, else in single
+  int32_t flipped_ids;            // 1: also the ids of flipped triangles
+  int32_t encoding;               // INT16_LE takes half the bytes of the others; not with float64
+  int32_t boundary_only;          // 1: only vertices on the boundary, ascending
+  const uint32_t* vertex_subset;  // or only these, in this order, none of them twice
+  size_t vertex_subset_count;
 } arap_shape_options;
 
 // How good a shape is.
@@ -248,8 +250,11 @@ arap_error* arap_deform(const arap_session* session, const char* handle_set_id,
                         const arap_target* targets, size_t target_count,
                         const arap_shape_options* options, const arap_call_options* call,
                         arap_shape** out);
-size_t arap_shape_vertex_count(const arap_shape* shape);
-const double* arap_shape_positions(const arap_shape* shape);  // #V × 2
+size_t arap_shape_vertex_count(const arap_shape* shape);       // #V, or as many as were asked for
+const double* arap_shape_positions(const arap_shape* shape);   // as many × 2
+const uint32_t* arap_shape_vertices(const arap_shape* shape);  // which they are; NULL: all
+// How far a coordinate may be off by its way over the wire.
+double arap_shape_position_error(const arap_shape* shape);
 arap_quality arap_shape_quality(const arap_shape* shape);
 // The handle that is farthest from its target, "" without handles.
 const char* arap_shape_worst_handle(const arap_shape* shape);
@@ -265,11 +270,10 @@ void arap_shape_free(arap_shape* shape);
 
 typedef struct arap_stream arap_stream;
 typedef struct arap_event arap_event;
-
 typedef struct arap_stream_options {
   size_t size;
   int32_t every;  // 1: every update is answered; else a new one replaces one that has not started
-  int32_t mode, refine, float64, flipped_ids;  // as in arap_shape_options
+  const arap_shape_options* shape;
   int64_t heartbeat_ms;  // silence after which a sign of life is asked for; 0: 5 s; below 0: never
   int64_t silence_ms;    // silence after which the server counts as gone; 0: 30 s
   int64_t answer_ms;     // how long anything may be without its answer; 0: 10 min
@@ -319,7 +323,6 @@ void arap_event_free(arap_event* event);
 // ---- Flattening ----
 
 typedef struct arap_flat arap_flat;
-
 enum {
   ARAP_FLATTEN_DEFAULT,
   ARAP_FLATTEN_ARAP,
