@@ -12,6 +12,8 @@ import {
   toEnum,
 } from "./checks.js";
 import type { Names } from "./checks.js";
+import { drawingsOf, drawingsToWire, partsToWire } from "./drawing.js";
+import type { Drawing, DrawingOptions, NamedPart } from "./drawing.js";
 import { badAnswer } from "./errors.js";
 import type { DistortionAnswer } from "./gen/arap/v1/Distortion.js";
 import type { FlatChartAnswer } from "./gen/arap/v1/FlatChart.js";
@@ -67,6 +69,10 @@ export interface FlattenOptions {
   grainLines?: readonly GrainLine[];
   /** The server keeps the prepared surface under this name for a while. */
   surfaceKey?: string;
+  /** Also answer the layout as files at true size, at most 16. */
+  drawings?: readonly DrawingOptions[];
+  /** What the pieces of drawings are called: as the part that most of their triangles are of. */
+  parts?: readonly NamedPart[];
   /** Also answer the result of the first step. */
   firstStep?: boolean;
   /** Also answer s1 and s2 of every triangle. */
@@ -136,6 +142,8 @@ export interface FlatSurface {
   autoCutCount: number;
   leftOutTriangles: Uint32Array;
   boundaryOverlaps: boolean;
+  /** One for each that was asked for, in their order. */
+  drawings: Drawing[];
   surfaceCached: boolean;
   queueMicros: number;
   solveMicros: number;
@@ -168,6 +176,8 @@ export function flattenToWire(mesh: SurfaceMesh, options: FlattenOptions): Flatt
       angleDegrees: line.angleDegrees ?? 0,
     })),
     surfaceKey: options.surfaceKey ?? "",
+    drawings: drawingsToWire(options.drawings ?? []),
+    parts: partsToWire(options.parts ?? []),
     ...(options.repair && { repair: repairToWire(options.repair) }),
   };
 }
@@ -279,6 +289,7 @@ export function flatSurfaceOf(
     autoCutCount: answer.autoCutCount,
     leftOutTriangles: indices(answer.leftOutTriangles),
     boundaryOverlaps: answer.boundaryOverlaps,
+    drawings: drawingsOf(answer.drawings, options.drawings ?? []),
     surfaceCached: answer.surfaceCached,
     queueMicros: microseconds(answer.queueTime),
     solveMicros: microseconds(answer.solveTime),

@@ -5,6 +5,7 @@ export type { CallOptions } from "./calls.js";
 export type { ConnectOptions } from "./channel.js";
 export { ArapError, reasons } from "./errors.js";
 export type { Code, Reason } from "./errors.js";
+export type { Drawing, DrawingFile, DrawingOptions, NamedPart } from "./drawing.js";
 export { hasEnded } from "./jobs.js";
 export type { FlattenJob, JobState } from "./jobs.js";
 export type {

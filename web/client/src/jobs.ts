@@ -18,7 +18,7 @@ export interface FlattenJob {
   id: string;
   /** getResult says why one has failed. */
   state: JobState;
-  /** While it runs: "cutting", "charts", "layout" or "storing". */
+  /** While it runs: "cutting", "charts", "layout", "drawing" or "storing". */
   phase: string;
   /** Of the work, 0 to 1; falls only when a server that was started anew begins the job again. */
   fraction: number;

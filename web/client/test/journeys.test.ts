@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { Client, hasEnded } from "@arapd/client";
-import type { FlattenJob, Session } from "@arapd/client";
+import type { FlatSurface, FlattenJob, FlattenOptions, Session } from "@arapd/client";
 
 import { failure, next, nextShape } from "./support/events.js";
 import { farthest, grid } from "./support/meshes.js";
@@ -254,6 +254,38 @@ test("a curved sheet is laid flat, at once and as a job", { timeout }, () =>
     assert.deepEqual(result.cornerUv, flat.cornerUv);
     assert.equal((await session.cancelJob("job")).state, "done");
     await failure(session.submitFlatten("job", sheet, { injective: true }), "ALREADY_EXISTS");
+  }),
+);
+
+test("a layout is drawn at true size, at once and as a job", { timeout }, () =>
+  serve(async (client) => {
+    const strip = grid(5, 3, () => 0);
+    const options: FlattenOptions = {
+      drawings: [
+        { format: "svg", millimetresPerUnit: 10, allowance: 5, corners: "round" },
+        { format: "dxf" },
+        { format: "pdf", paper: "A4" },
+        { format: "svg", paper: "A5", millimetresPerUnit: 100 },
+      ],
+      parts: [{ firstTriangle: 0, name: "sleeve" }],
+    };
+    const check = ({ drawings }: FlatSurface): void => {
+      const begins = drawings.map(({ files }) => Buffer.from(files[0]!.data).toString("latin1"));
+      assert.match(begins[0]!, /<svg[^]*sleeve/);
+      assert.match(begins[1]!, /SECTION[^]*ENTITIES/);
+      assert.match(begins[2]!, /^%PDF-/);
+      assert.equal(drawings[3]!.files[0]!.page, "cover");
+      assert.ok(drawings[3]!.files.length > 2);
+    };
+    check(await client.flatten(strip, options));
+    const session = await client.createSession();
+    await session.submitFlatten("drawn", strip, options);
+    await session.watchJob("drawn");
+    check(await session.getResult("drawn", strip, options));
+    const wide = client.flatten(strip, {
+      drawings: [{ format: "svg" }, { format: "svg", allowance: -1 }],
+    });
+    assert.equal((await failure(wide, "INVALID_OPTION")).field, "drawings[1].allowance");
   }),
 );
 
