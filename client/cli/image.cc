@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <memory>
 #include <string_view>
 #include <system_error>
@@ -12,6 +11,8 @@
 #include <fmt/format.h>
 #include <png.h>
 #include <zlib.h>
+
+#include "core/files/text_file.h"
 
 namespace arap::cli {
 namespace {
@@ -27,11 +28,24 @@ struct PngReader {
 };
 
 // Deflate makes no byte of more than 1032, and a pixel has at least a bit.
-bool FileIsTooShort(const std::string& path, std::size_t pixels) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return false;
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  return !error && pixels / (8 * 1032) > size;
+bool FileIsTooShort(std::FILE* file, std::size_t pixels) {
+  const long here = std::ftell(file);
+  if (here < 0 || std::fseek(file, 0, SEEK_END) != 0) return false;  // a pipe
+  const long size = std::ftell(file);
+  std::fseek(file, here, SEEK_SET);
+  return size >= 0 && pixels / (8 * 1032) > static_cast<std::size_t>(size);
+}
+
+// Standard input as a file in which one can go back; null with errno when there is none.
+std::FILE* SpooledInput() {
+  const Result<std::string> bytes = ReadBytes(std::string(kStandardStream));
+  errno = EINVAL;
+  std::FILE* const file = bytes ? std::tmpfile() : nullptr;
+  if (file != nullptr) {
+    std::fwrite(bytes->data(), 1, bytes->size(), file);
+    std::rewind(file);
+  }
+  return file;
 }
 
 std::uint32_t BigEndian(const std::uint8_t* bytes) {
@@ -108,8 +122,8 @@ Coverage Cover(const Image& image, Level level) {
 }  // namespace
 
 Result<Image> ReadPng(const std::string& path) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
-                                                             &std::fclose);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(
+      path == kStandardStream ? SpooledInput() : std::fopen(path.c_str(), "rb"), &std::fclose);
   if (!file) {
     return Fail(FaultKind::kNotFound,
                 fmt::format("cannot read {}: {}", path, std::generic_category().message(errno)));
@@ -122,13 +136,13 @@ Result<Image> ReadPng(const std::string& path) {
   Image image{reader.image.width, reader.image.height, {}};
   const std::size_t pixels = image.width * image.height;
   if (std::max(image.width, image.height) > kMaxImageSide || pixels > kMaxImagePixels) {
-    return Fail(Fault(FaultKind::kLimitExceeded,
+    return Fail(Fault(FaultKind::kInvalidOption,
                       fmt::format("{}: an image of {} × {} pixels; at most {} on a side and {} in "
                                   "all are read.",
                                   path, image.width, image.height, kMaxImageSide, kMaxImagePixels))
                     .Detail("limit", kMaxImagePixels));
   }
-  if (FileIsTooShort(path, pixels)) {
+  if (FileIsTooShort(file.get(), pixels)) {
     return Fail(FaultKind::kInvalidOption,
                 fmt::format("{}: claims {} × {} pixels, which a file of this length cannot hold.",
                             path, image.width, image.height));

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "client/cli/terminal.h"
 #include "core/base/code_point.h"
 
 namespace arap::cli {
@@ -52,14 +53,14 @@ std::string Describe(const Fault& fault) {
 }
 
 int Complain(const Fault& fault) {
-  fmt::print(stderr, "arapctl: {}\n", Describe(fault));
+  fmt::print(stderr, "{} {}\n", Styled(STDERR_FILENO, Look::kBad, "arapctl:"), Describe(fault));
   if (fault.kind == FaultKind::kUnauthenticated) {
     fmt::print(
         stderr,
         "arapctl: the server asks who you are: give --token-file FILE, set ARAPCTL_TOKEN, or "
         "give --tls-cert and --tls-key; `arapctl token add` makes tokens\n");
   }
-  return kFailed;
+  return static_cast<int>(ExitOf(fault.kind));
 }
 
 int ExitCode(const Status& done) { return done ? kOk : Complain(done.error()); }
@@ -67,8 +68,8 @@ int ExitCode(const Status& done) { return done ? kOk : Complain(done.error()); }
 void PrintWarnings(const std::vector<Warning>& warnings) {
   constexpr std::size_t kMost = 20;
   for (std::size_t i = 0; i < std::min(warnings.size(), kMost); ++i) {
-    fmt::print(stderr, "arapctl: warning: {}: {}\n", Printable(warnings[i].kind),
-               Printable(warnings[i].message));
+    fmt::print(stderr, "{} {}: {}\n", Styled(STDERR_FILENO, Look::kDoubtful, "arapctl: warning:"),
+               Printable(warnings[i].kind), Printable(warnings[i].message));
   }
   if (warnings.size() > kMost) {
     fmt::print(stderr, "arapctl: {} more warnings\n", warnings.size() - kMost);
@@ -76,7 +77,7 @@ void PrintWarnings(const std::vector<Warning>& warnings) {
 }
 
 Progress::Progress(std::string what, std::size_t total)
-    : what_(std::move(what)), total_(total), terminal_(isatty(STDERR_FILENO) == 1) {}
+    : what_(std::move(what)), total_(total), terminal_(IsTerminal(STDERR_FILENO)) {}
 
 Progress::~Progress() {
   if (terminal_ && done_ > 0) fmt::print(stderr, "\n");
@@ -90,7 +91,7 @@ void Progress::Step() {
 Elapsed::Elapsed(std::string what)
     : what_(std::move(what)),
       start_(std::chrono::steady_clock::now()),
-      terminal_(isatty(STDERR_FILENO) == 1) {}
+      terminal_(IsTerminal(STDERR_FILENO)) {}
 
 Elapsed::~Elapsed() { Clear(); }
 

@@ -12,6 +12,7 @@
 
 #include "arap/base/result.h"
 #include "arap/client/mesh.h"
+#include "client/cli/exit_code.h"
 
 namespace arap::cli {
 
@@ -26,12 +27,12 @@ std::string Describe(const Fault& fault);
 // "DEGENERATE_TRIANGLE".
 std::string ReasonOf(const Fault& fault);
 
-// Exit codes.
-inline constexpr int kOk = 0;
-inline constexpr int kFailed = 1;  // the server or the work failed; standard error says how
-inline constexpr int kUsage = 2;   // the command line is wrong
+// Exit codes without a fault; exit_code.h has all of them.
+inline constexpr int kOk = static_cast<int>(Exit::kOk);
+inline constexpr int kFailed = static_cast<int>(Exit::kFailed);
+inline constexpr int kUsage = static_cast<int>(Exit::kUsage);
 
-// Prints the fault on standard error. Answers kFailed.
+// Prints the fault on standard error. Answers its exit code.
 int Complain(const Fault& fault);
 // kOk, or Complain.
 int ExitCode(const Status& done);

@@ -1,7 +1,10 @@
 #include "core/files/text_file.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <filesystem>
 #include <sstream>
 #include <system_error>
@@ -27,9 +30,27 @@ auto CannotBeWritten(const std::string& path, std::string_view reason) {
   return Fail(FaultKind::kInvalidOption, fmt::format("cannot write {}: {}", path, reason));
 }
 
+Result<std::string> ReadStandardInput() {
+  static std::atomic<bool> was_read = false;
+  if (was_read.exchange(true)) {
+    return Fail(FaultKind::kInvalidOption, "standard input (-) stands for one file, not for two.");
+  }
+  std::string text;
+  std::array<char, 65536> buffer{};
+  errno = 0;
+  while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), stdin)) {
+    text.append(buffer.data(), count);
+  }
+  if (std::ferror(stdin) != 0) {
+    return Fail(FaultKind::kNotFound, fmt::format("standard input: {}", Reason(errno)));
+  }
+  return text;
+}
+
 }  // namespace
 
 Result<std::string> ReadBytes(const std::string& path) {
+  if (path == kStandardStream) return ReadStandardInput();
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
@@ -61,6 +82,7 @@ Status WriteTextFile(const std::string& path, std::string_view text) {
 
 Status CheckWritable(const std::string& path) {
   namespace fs = std::filesystem;
+  if (path == kStandardStream) return {};
   std::error_code error;
   const fs::file_status file = fs::status(path, error);
   if (fs::is_directory(file)) return CannotBeWritten(path, "it is a folder");
@@ -111,7 +133,9 @@ TextPlace PlaceAt(std::string_view text, std::size_t offset) {
   }
 }
 
-OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
+OutputFile::OutputFile(std::string path)
+    : path_(std::move(path)), standard_(path_ == kStandardStream) {
+  if (standard_) return;
   std::error_code error;
   const auto kind = std::filesystem::symlink_status(path_, error).type();
   if (kind == std::filesystem::file_type::regular ||
@@ -132,6 +156,11 @@ OutputFile::~OutputFile() {
 }
 
 Status OutputFile::Write(std::string_view text) {
+  if (standard_) {
+    errno = 0;
+    if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size()) return {};
+    return CannotWrite("standard output");
+  }
   if (file_) errno = 0;  // else the reason is that of the opening, or of the write that failed
   file_ << text;
   if (!file_) return CannotWrite(path_);
@@ -139,6 +168,11 @@ Status OutputFile::Write(std::string_view text) {
 }
 
 Status OutputFile::Close() {
+  if (standard_) {
+    errno = 0;
+    if (std::fflush(stdout) == 0) return {};
+    return CannotWrite("standard output");
+  }
   if (file_) errno = 0;
   file_.close();
   if (!file_) return CannotWrite(path_);

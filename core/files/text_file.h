@@ -10,7 +10,11 @@
 
 namespace arap {
 
-// The bytes of a file. kNotFound with the path and the system's reason.
+// The name of standard input where a file is read, and of standard output where one is written.
+inline constexpr std::string_view kStandardStream = "-";
+
+// The bytes of a file. kNotFound with the path and the system's reason. Standard input can be read once
+// in a program; kInvalidOption for a second time.
 Result<std::string> ReadBytes(const std::string& path);
 // The same without the byte order mark of UTF-8 that some programs begin their files with.
 Result<std::string> ReadTextFile(const std::string& path);
@@ -36,7 +40,7 @@ TextPlace PlaceAt(std::string_view text, std::size_t offset);
 
 // A file that is written piece by piece. It is there when Close has succeeded, in the place of one
 // that was there before; else it never was, and its bytes are given back: whoever stops half-way
-// leaves nothing that looks like a result. What is no regular file (a pipe, /dev/stdout, a link) is
+// leaves nothing that looks like a result. What is no regular file (a pipe, standard output, a link) is
 // written as it goes. For one thread.
 class OutputFile {
  public:
@@ -53,6 +57,7 @@ class OutputFile {
   std::string path_;
   std::string part_;  // what is written until Close, beside the file; empty: the file itself
   std::ofstream file_;
+  bool standard_ = false;  // standard output, and not file_
 };
 
 }  // namespace arap

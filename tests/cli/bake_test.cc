@@ -87,7 +87,7 @@ TEST_F(Bake, TwoRunsGiveTheSameBytes) {
 TEST_F(Bake, AFullDiskIsAFailure) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
   const Outcome outcome = OnBear("bake", {"--out", "/dev/full"});
-  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.code, 8);
   EXPECT_THAT(outcome.err, HasSubstr("cannot write /dev/full"));
 }
 
@@ -95,7 +95,7 @@ TEST_F(Bake, FaultsOfTheServerNameReasonAndElements) {
   const std::string mesh = Put("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
   const std::string track = Put("t.json", R"({"handles": [{"rest": [0.2, 0.2]}], "frames": []})");
   const Outcome outcome = Arapctl({"bake", mesh, track, "--spawn", "--out", Path("c.csv")});
-  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.code, 3);
   EXPECT_THAT(outcome.err,
               HasSubstr("DEGENERATE_TRIANGLE: " + mesh + ": Triangle 2 is degenerate"));
   EXPECT_THAT(outcome.err, HasSubstr("(triangles = 2"));
@@ -105,7 +105,7 @@ TEST_F(Bake, FaultsOfTheServerNameReasonAndElements) {
                                   " {\"rest\": [9, 9]}], \"frames\": []}");
   const std::string good = Put("good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   const Outcome handle = Arapctl({"bake", good, outside, "--spawn", "--out", Path("c.csv")});
-  EXPECT_EQ(handle.code, 1);
+  EXPECT_EQ(handle.code, 3);
   EXPECT_THAT(handle.err, HasSubstr("HANDLE_OUTSIDE: " + outside + ":2:2: Handle \"h1\""));
 }
 

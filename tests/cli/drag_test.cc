@@ -178,7 +178,7 @@ TEST_F(Drag, AnEditThatFailsIsNamed) {
       {"bake", {"--out", Path("a.csv")}}};
   for (const auto& [command, more] : commands) {
     const Outcome outcome = OnGrid(command, FormatTrack(track), more);
-    EXPECT_EQ(outcome.code, 1) << command;
+    EXPECT_EQ(outcome.code, 3) << command;
     // The track is one line.
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("HANDLE_OUTSIDE: "), HasSubstr(".json:1:"),
                                    HasSubstr(": edit before frame 4: Handle \"far\""),
@@ -213,7 +213,7 @@ TEST_F(Drag, PicksTheLastFrame) {
 TEST_F(Drag, PickingNeedsAFrame) {
   const Outcome outcome =
       OnGrid("drag", R"({"handles": [{"rest": [1, 1]}], "frames": []})", {"--pick", "1,1"});
-  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.code, 3);
   EXPECT_THAT(outcome.err, HasSubstr("the track has none"));
 }
 
@@ -221,7 +221,7 @@ TEST_F(Drag, TheServerLimitsPicks) {
   std::vector<std::string> picks;
   for (int i = 0; i < 1025; ++i) picks.insert(picks.end(), {"--pick", "1,1"});
   const Outcome outcome = OnGrid("drag", kMoved, picks);
-  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.code, 3);
   EXPECT_THAT(outcome.err, HasSubstr("frame 1: "));
 }
 

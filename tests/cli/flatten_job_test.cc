@@ -58,14 +58,14 @@ TEST_F(FlattenJobCommand, AskingAgainFindsTheJob) {
   EXPECT_EQ(Slurp(Path("again.obj")), Slurp(Path("first.obj")));
   EXPECT_EQ(again.out, first.out);
   const Outcome other = Flatten(tetrahedron_, "work/sheet", "other.obj");
-  EXPECT_EQ(other.code, 1) << "the name is that of another surface";
+  EXPECT_EQ(other.code, 3) << "the name is that of another surface";
   EXPECT_THAT(other.err, HasSubstr("ALREADY_EXISTS"));
 }
 
 TEST_F(FlattenJobCommand, FailuresAreToldAgain) {
   for (int time = 0; time < 2; ++time) {
     const Outcome failed = Flatten(tetrahedron_, "work/ball", "ball.obj");
-    EXPECT_EQ(failed.code, 1);
+    EXPECT_EQ(failed.code, 3);
     EXPECT_THAT(failed.err, HasSubstr("NOT_A_DISK"));
     Start();
   }

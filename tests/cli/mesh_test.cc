@@ -259,7 +259,7 @@ TEST_F(MeshCommand, ImagesWithoutAFigureAreRefused) {
   };
   for (const auto& [what, bytes, message] : cases) {
     const Outcome outcome = Make(bytes);
-    EXPECT_EQ(outcome.code, 1) << what;
+    EXPECT_EQ(outcome.code, 3) << what;
     EXPECT_THAT(outcome.err, HasSubstr(message)) << what;
     EXPECT_EQ(outcome.out, "") << what;
     EXPECT_FALSE(ReadPlanarMesh(Path("mesh.obj"))) << what;

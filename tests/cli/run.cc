@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <charconv>
 #include <chrono>
+#include <cstdlib>
 #include <limits>
 
 #include <fcntl.h>
@@ -64,6 +65,15 @@ double Number(std::string_view text) {
 }  // namespace
 
 Outcome Arapctl(const std::vector<std::string>& arguments) {
+  // Whoever runs the tests may have a config of their own.
+  static const bool alone = [] {
+    for (const char* variable : {"ARAPCTL_SERVER", "ARAPCTL_TOKEN", "ARAPCTL_CONFIG"}) {
+      unsetenv(variable);
+    }
+    unsetenv("XDG_CONFIG_HOME");
+    return setenv("HOME", "/nonexistent", 1) == 0;
+  }();
+  EXPECT_TRUE(alone);
   std::vector<std::string> words{ARAPCTL};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;

@@ -105,7 +105,7 @@ TEST_F(TokenCommand, ListsAndRevokes) {
   EXPECT_EQ(Arapctl({"token", "revoke", "--file", file(), "--id", id}).code, 0);
   EXPECT_FALSE(Check(Read(), alice));
   EXPECT_TRUE(Check(Read(), bob));
-  EXPECT_EQ(Arapctl({"token", "revoke", "--file", file(), "--id", id}).code, 1);
+  EXPECT_EQ(Arapctl({"token", "revoke", "--file", file(), "--id", id}).code, 4);
   EXPECT_EQ(Arapctl({"token", "revoke", "--file", file(), "--owner", "bob"}).code, 0);
   EXPECT_EQ(Read().size(), 0u);
 }
@@ -173,9 +173,9 @@ TEST_F(TokenCommand, DamagedFilesAreListedAndRepaired) {
   // Empty arguments match no entry, also none without an id or an owner.
   text = Slurp(file());
   for (const char* which : {"--id", "--owner"}) {
-    EXPECT_EQ(Arapctl({"token", "revoke", "--file", file(), which, ""}).code, 1);
+    EXPECT_EQ(Arapctl({"token", "revoke", "--file", file(), which, ""}).code, 4);
   }
-  EXPECT_EQ(Arapctl({"token", "add", "--file", file(), "--owner", "a"}).code, 1);
+  EXPECT_EQ(Arapctl({"token", "add", "--file", file(), "--owner", "a"}).code, 3);
   EXPECT_EQ(Slurp(file()), text);
 
   put(good + ",\n" + king + ",\n" + odd);
@@ -207,11 +207,11 @@ TEST_F(TokenCommand, WrongCommandLinesAndFiles) {
     EXPECT_EQ(Arapctl(wrong).code, 2) << testing::PrintToString(wrong);
   }
   EXPECT_FALSE(std::filesystem::exists(file()));
-  EXPECT_EQ(Arapctl({"token", "list", "--file", file()}).code, 1);
+  EXPECT_EQ(Arapctl({"token", "list", "--file", file()}).code, 4);
   for (const char* bad : {"{}", "[1]", R"([{"id": 3}])", R"([{"id": "a", "note": "x"}])"}) {
     Put("tokens.json", bad);
     const Outcome outcome = Arapctl({"token", "add", "--file", file(), "--owner", "a"});
-    EXPECT_EQ(outcome.code, 1) << bad;
+    EXPECT_EQ(outcome.code, 3) << bad;
     EXPECT_EQ(outcome.out, "");
     EXPECT_EQ(Slurp(file()), bad);
   }
@@ -257,7 +257,7 @@ TEST_F(TokenFlags, TokensComeFromAFileOrTheEnvironment) {
   EXPECT_EQ(with_variable.code, 0) << with_variable.err;
   EXPECT_EQ(spawned.code, 0) << spawned.err;
   const Outcome missing = Load({"--token-file", Path("none")});
-  EXPECT_EQ(missing.code, 1);
+  EXPECT_EQ(missing.code, 4);
   EXPECT_THAT(missing.err, HasSubstr("none"));
 }
 
@@ -267,7 +267,7 @@ TEST_F(TokenFlags, RefusalSaysWhatToDo) {
   const std::string surface = Put("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   const Outcome outcome = Arapctl(
       {"flatten", surface, "--out", Path("b.obj"), "--server", "unix:" + Path("arapd.sock")});
-  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.code, 5);
   EXPECT_THAT(outcome.err, HasSubstr("UNAUTHENTICATED"));
   EXPECT_THAT(outcome.err, HasSubstr("--token-file"));
 }

@@ -73,18 +73,18 @@ TEST_F(Usage, WrongCommandLinesEndWithTwo) {
 TEST_F(Usage, MissingAndBadFilesAreNamed) {
   const Outcome missing =
       Arapctl({"bake", Path("none.obj"), Path("none.json"), "--spawn", "--out", Path("c.csv")});
-  EXPECT_EQ(missing.code, 1);
+  EXPECT_EQ(missing.code, 4);
   EXPECT_THAT(missing.err, HasSubstr("none.obj"));
 
   const std::string path = Put("face.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n");
   const Outcome bad = Arapctl({"flatten", path, "--spawn", "--out", Path("c.obj")});
-  EXPECT_EQ(bad.code, 1);
+  EXPECT_EQ(bad.code, 3);
   EXPECT_THAT(bad.err, HasSubstr("face.obj:4: '0'"));
 }
 
 TEST_F(Usage, AnAbsentServerIsAFailure) {
   const Outcome outcome = Arapctl({"info", "--server", "unix:" + Path("nobody.sock")});
-  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.code, 6);
   EXPECT_THAT(outcome.err, HasSubstr("Cannot reach"));
 }
 

@@ -48,7 +48,8 @@ for package in "$control" "$library"; do
 done
 holds "$server" usr/bin/arapd lib/systemd/system/arapd.service etc/arapd/arapd.toml \
   usr/lib/sysusers.d/arapd.conf usr/share/doc/arapd/copyright
-holds "$control" usr/bin/arapctl usr/share/doc/arapctl/copyright
+holds "$control" usr/bin/arapctl usr/share/doc/arapctl/copyright usr/share/man/man1/arapctl-bake.1 \
+  usr/share/bash-completion/completions/arapctl usr/share/zsh/vendor-completions/_arapctl
 holds "$library" usr/include/arap/client/client.h usr/include/arap/c/arap_c.h \
   'usr/lib/([^ ]*/)?cmake/arap/arap-config.cmake' 'usr/lib/([^ ]*/)?pkgconfig/arap-client.pc'
 dpkg-deb --ctrl-tarfile "$server" | tar -xO ./conffiles | grep -qx /etc/arapd/arapd.toml ||

@@ -36,6 +36,8 @@ void AddLoad(CLI::App& app, Run& run);
 void AddToken(CLI::App& app, Run& run);
 void AddSample(CLI::App& app, Run& run);
 void AddFigures(CLI::App& app, Run& run);
+// help, completion and man. `app` has to be there when they run.
+void AddShellCommands(CLI::App& app, Run& run, const std::string& version);
 
 // When `command` is chosen, `run` does `action` with the options as they were parsed.
 template <class Options>

@@ -101,23 +101,25 @@ Result<client::Client> ConnectReady(const std::string& address,
 
 void AddServerFlags(CLI::App& command, ServerFlags& flags) {
   auto* group = command.add_option_group("Server", "which server to use");
-  group->add_option("--server", flags.server, "a running server: host:port or unix:PATH");
+  group->add_option("--server", flags.server, "a running server: host:port or unix:PATH")
+      ->option_text("ADDRESS");
   auto* const spawn =
       group->add_flag("--spawn", flags.spawn, "run a private arapd for the length of the command");
   group->require_option(1);
 
   auto* identity = command.add_option_group("Identity", "who is asking, and how it travels");
   client::ConnectOptions& connect = flags.connect;
-  const auto option = [&](const char* name, std::string& value, const char* help) {
-    identity->add_option(name, value, help)->excludes(spawn);
+  const auto option = [&](const char* name, std::string& value, const char* help,
+                          const char* text = "FILE.pem") {
+    identity->add_option(name, value, help)->excludes(spawn)->option_text(text);
   };
   const auto flag = [&](const char* name, bool& value, const char* help) {
     identity->add_flag(name, value, help)->excludes(spawn);
   };
   option("--token-file", flags.token_file,
-         "file with the bearer token; without it the variable ARAPCTL_TOKEN counts");
+         "file with the bearer token; without it the variable ARAPCTL_TOKEN counts", "FILE");
   option("--as-user", connect.user,
-         "the user that the call is for, with the token of a gateway (role gateway)");
+         "the user that the call is for, with the token of a gateway (role gateway)", "NAME");
   flag("--token-in-plaintext", connect.token_in_plaintext,
        "send the token to another machine without TLS, for everyone on the way to read");
   flag("--tls", connect.tls, "speak TLS; the other --tls flags imply it");
@@ -126,7 +128,7 @@ void AddServerFlags(CLI::App& command, ServerFlags& flags) {
   option("--tls-cert", connect.certificate, "PEM file of the client's own certificate");
   option("--tls-key", connect.key, "PEM file of its private key");
   option("--tls-server-name", connect.server_name,
-         "the name in the server's certificate, unless it is that of the address");
+         "the name in the server's certificate, unless it is that of the address", "NAME");
 }
 
 // A private arapd: the one beside our own executable, else the one in PATH, on a unix socket in a

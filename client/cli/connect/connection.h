@@ -21,7 +21,8 @@ struct ServerFlags {
 // them.
 inline constexpr const char* kTokenVariable = "ARAPCTL_TOKEN";
 
-// Exactly one of --server and --spawn has to be given; a private server wants no identity.
+// Exactly one of --server and --spawn has to be given, if not by the environment or the config file
+// (client/cli/settings.h); a private server wants no identity.
 void AddServerFlags(CLI::App& command, ServerFlags& flags);
 
 // A connection that stands; it ends, with the private server if there is one, when this goes. Open
