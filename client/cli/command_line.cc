@@ -13,6 +13,7 @@
 #include "client/cli/examples.h"
 #include "client/cli/exit_code.h"
 #include "client/cli/help.h"
+#include "client/cli/reply.h"
 #include "client/cli/report.h"
 #include "client/cli/settings.h"
 #include "client/cli/shell/completion.h"
@@ -43,7 +44,8 @@ Chosen Choose(const CLI::App& app, std::span<const std::string> words) {
   return chosen;
 }
 
-int Misused(const Chosen& chosen, std::string_view what) {
+int Misused(const Chosen& chosen, std::string_view what, bool json) {
+  if (json) fmt::print("{}", JsonText(UsageErrorJson(std::string(what))));
   fmt::print(stderr, "{} {}\n", Styled(STDERR_FILENO, Look::kBad, chosen.name + ":"),
              Printable(what));
   const std::string path = chosen.name.substr(std::string_view("arapctl").size());
@@ -77,7 +79,8 @@ std::vector<std::string> LongOptionsOf(const CLI::App& command) {
 std::optional<std::string> FindUnknown(const Chosen& chosen, std::span<const std::string> words) {
   const std::span<const std::string> rest = words.subspan(chosen.depth);
   const std::vector<const CLI::App*> commands = CommandsOf(*chosen.command);
-  if (!commands.empty() && !rest.empty() && !rest.front().starts_with('-')) {
+  const bool wanted = chosen.command->get_require_subcommand_min() > 0;
+  if (wanted && !rest.empty() && !rest.front().starts_with('-')) {
     return fmt::format("there is no command '{}'{}", rest.front(),
                        DidYouMean(rest.front(), NamesOf(commands)));
   }
@@ -116,6 +119,8 @@ std::unique_ptr<CLI::App> MakeCommandLine(const std::string& version, Run& run) 
   AddDrag(*app, run);
   AddFlatten(*app, run);
   AddMesh(*app, run);
+  AddSession(*app, run);
+  AddHandles(*app, run);
   AddLoad(*app, run);
   AddToken(*app, run);
   AddSample(*app, run);
@@ -146,11 +151,15 @@ int RunCommandLine(std::vector<std::string> words, const std::string& version) {
     words.emplace_back("--help");
   }
   const Chosen chosen = Choose(*app, words);
-  if (const auto unknown = FindUnknown(chosen, words)) return Misused(chosen, *unknown);
+  // Of drag and load --json names a file.
+  const CLI::Option* const json_flag = chosen.command->get_option_no_throw("--json");
+  const bool json =
+      json_flag != nullptr && json_flag->get_expected_max() == 0 && Has(words, "--json");
+  if (const auto unknown = FindUnknown(chosen, words)) return Misused(chosen, *unknown, json);
   std::vector<std::string> settings;
   if (!AsksForHelp(words)) {
     Result<std::vector<std::string>> found = SettingWords(*chosen.command, words);
-    if (!found) return Misused(chosen, found.error().message);
+    if (!found) return Misused(chosen, found.error().message, json);
     settings = std::move(*found);
     words.insert(words.begin() + static_cast<std::ptrdiff_t>(chosen.depth), settings.begin(),
                  settings.end());
@@ -158,7 +167,8 @@ int RunCommandLine(std::vector<std::string> words, const std::string& version) {
         !Has(words, "--spawn")) {
       return Misused(chosen,
                      "which server? Give --server ADDRESS, or --spawn for a private one; or set "
-                     "ARAPCTL_SERVER");
+                     "ARAPCTL_SERVER",
+                     json);
     }
   }
   try {
@@ -175,7 +185,7 @@ int RunCommandLine(std::vector<std::string> words, const std::string& version) {
         what += fmt::format(" ({} is of the environment or of {})", setting, ConfigPath());
       }
     }
-    return Misused(chosen, what);
+    return Misused(chosen, what, json);
   }
   return run();
 }

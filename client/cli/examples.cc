@@ -25,6 +25,27 @@ constexpr Example kExamples[] = {
     {"mesh",
      "arapctl mesh figure.png --out figure.obj --density 2000\n"
      "arapctl mesh scan.png --background auto --expansion 2 --out figure.obj"},
+    {"mesh register", "arapctl mesh register work/bear bear.obj --weld --server 127.0.0.1:50051"},
+    {"mesh list", "arapctl mesh list work --server 127.0.0.1:50051"},
+    {"mesh show", "arapctl mesh show work/bear --json --server 127.0.0.1:50051"},
+    {"mesh delete", "arapctl mesh delete work/bear --server 127.0.0.1:50051"},
+    {"session create",
+     "arapctl session create work --ttl 86400 --label user=ann \\\n"
+     "  --server 127.0.0.1:50051"},
+    {"session list", "arapctl session list --server 127.0.0.1:50051"},
+    {"session show", "arapctl session show work --server 127.0.0.1:50051"},
+    {"session delete", "arapctl session delete work --server 127.0.0.1:50051"},
+    {"handles compile",
+     "arapctl handles compile work/puppet bear wave.json --server 127.0.0.1:50051"},
+    {"handles list", "arapctl handles list work --server 127.0.0.1:50051"},
+    {"handles show", "arapctl handles show work/puppet --server 127.0.0.1:50051"},
+    {"handles edit",
+     "arapctl handles edit work/puppet --remove head --add more.json \\\n"
+     "  --server 127.0.0.1:50051"},
+    {"handles delete", "arapctl handles delete work/puppet --server 127.0.0.1:50051"},
+    {"handles pick",
+     "arapctl handles pick work/puppet --pick 0,50 --target head=0,190 \\\n"
+     "  --server 127.0.0.1:50051"},
     {"load",
      "arapctl load --streams 8 --seconds 10 --vertices 10000 --spawn\n"
      "arapctl load --fps 60 --server 127.0.0.1:50051 --json load.json"},

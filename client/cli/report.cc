@@ -65,7 +65,35 @@ int Complain(const Fault& fault) {
 
 int ExitCode(const Status& done) { return done ? kOk : Complain(done.error()); }
 
+namespace {
+
+// What the program has said, once for all of it.
+struct Said {
+  std::vector<Warning> warnings;
+  std::string output_taken_by;
+};
+Said& TheSaid() {
+  static Said said;
+  return said;
+}
+
+}  // namespace
+
+const std::vector<Warning>& PrintedWarnings() { return TheSaid().warnings; }
+
+bool TakeStandardOutput(const std::string& flag) {
+  std::string& taken_by = TheSaid().output_taken_by;
+  if (taken_by.empty()) taken_by = flag;
+  return taken_by == flag;
+}
+
+void Say(std::string_view text) {
+  fmt::print(TheSaid().output_taken_by.empty() ? stdout : stderr, "{}", text);
+}
+
 void PrintWarnings(const std::vector<Warning>& warnings) {
+  std::vector<Warning>& printed = TheSaid().warnings;
+  printed.insert(printed.end(), warnings.begin(), warnings.end());
   constexpr std::size_t kMost = 20;
   for (std::size_t i = 0; i < std::min(warnings.size(), kMost); ++i) {
     fmt::print(stderr, "{} {}: {}\n", Styled(STDERR_FILENO, Look::kDoubtful, "arapctl: warning:"),

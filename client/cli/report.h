@@ -38,6 +38,14 @@ int Complain(const Fault& fault);
 int ExitCode(const Status& done);
 // Prints what the server repaired or ignored on standard error, not more than a screenful.
 void PrintWarnings(const std::vector<Warning>& warnings);
+// All that PrintWarnings was given since the program began.
+const std::vector<Warning>& PrintedWarnings();
+
+// Standard output is for the data that `flag` writes there ("--out"), and what is for people goes to
+// standard error. False when it is another's already.
+bool TakeStandardOutput(const std::string& flag);
+// Prints a summary for people: on standard output, or on standard error when the other is taken.
+void Say(std::string_view text);
 
 // A line on standard error that is overwritten as the work goes on. Silent unless it is a terminal.
 class Progress {

@@ -26,6 +26,11 @@ std::string EndingOf(const std::string& path) {
 }  // namespace
 
 Result<SurfaceFile> ReadSurfaceFile(const std::string& path) {
+  if (path == kStandardStream) {
+    TRY(std::string text, ReadBytes(path));
+    const bool off = WithoutByteOrderMark(text).substr(0, 3) == "OFF";
+    return off ? ParseOff(text, path) : ParseObj(std::move(text), path);
+  }
   const std::string ending = EndingOf(path);
   if (ending != ".obj" && ending != ".off") {
     return Fail(FaultKind::kInvalidOption,

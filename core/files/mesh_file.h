@@ -14,7 +14,7 @@
 
 namespace arap {
 
-// The format is that of the name's ending. Faults name the file: kNotFound (it cannot be opened) or
+// The format is that of the name's ending; standard input is OFF where it begins so, else OBJ. Faults name the file: kNotFound (it cannot be opened) or
 // kInvalidOption (another ending, or what ParseObj and ParseOff refuse).
 Result<SurfaceFile> ReadSurfaceFile(const std::string& path);
 // Its mesh alone, without the warnings.

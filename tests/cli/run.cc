@@ -11,6 +11,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -64,7 +65,7 @@ double Number(std::string_view text) {
 
 }  // namespace
 
-Outcome Arapctl(const std::vector<std::string>& arguments) {
+Outcome Arapctl(const std::vector<std::string>& arguments, std::string_view input) {
   // Whoever runs the tests may have a config of their own.
   static const bool alone = [] {
     for (const char* variable : {"ARAPCTL_SERVER", "ARAPCTL_TOKEN", "ARAPCTL_CONFIG"}) {
@@ -84,13 +85,19 @@ Outcome Arapctl(const std::vector<std::string>& arguments) {
   std::array<int, 2> out{}, err{};
   EXPECT_EQ(pipe2(out.data(), O_CLOEXEC), 0);
   EXPECT_EQ(pipe2(err.data(), O_CLOEXEC), 0);
+  // A file, so that nobody has to write while the outputs are read.
+  const int in = memfd_create("input", MFD_CLOEXEC);
+  EXPECT_EQ(write(in, input.data(), input.size()), static_cast<ssize_t>(input.size()));
+  EXPECT_EQ(lseek(in, 0, SEEK_SET), 0);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, in, STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, err[1], STDERR_FILENO);
   pid_t pid = -1;
   EXPECT_EQ(posix_spawn(&pid, argv[0], &actions, nullptr, argv.data(), environ), 0);
   posix_spawn_file_actions_destroy(&actions);
+  close(in);
   close(out[1]);
   close(err[1]);
 

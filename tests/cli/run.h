@@ -18,8 +18,9 @@ struct Outcome {
   std::string err;
 };
 
-// Its end is waited for, five minutes at most; then it is killed, and the test fails.
-Outcome Arapctl(const std::vector<std::string>& arguments);
+// With `input` on its standard input. Its end is waited for, five minutes at most; then it is killed, and
+// the test fails.
+Outcome Arapctl(const std::vector<std::string>& arguments, std::string_view input = {});
 
 // The text of a file; a failure of the test when it cannot be read.
 std::string Slurp(const std::string& path);

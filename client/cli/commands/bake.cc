@@ -13,6 +13,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/stage.h"
 #include "client/cli/patience.h"
+#include "client/cli/reply.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
 #include "core/files/mesh_file.h"
@@ -108,7 +109,7 @@ class Baker {
   Patience patience_;
 };
 
-Status Bake(const StageOptions& options) {
+Result<Reply> BakeTrack(const StageOptions& options) {
   TRY(const Stage stage, Stage::Open(options));
   const PlanarMesh& mesh = stage.mesh();
   const Track& track = stage.track();
@@ -142,21 +143,47 @@ Status Bake(const StageOptions& options) {
       "flips; largest stretch {:.3g}",
       totals.frames, mesh.vertices.size(), mesh.triangles.size(), track.handles.size(), mean_solve,
       totals.frames_with_flips, totals.max_stretch);
-  fmt::print("{}\nregistered in {:.1f} ms, compiled in {:.1f} ms, worst handle error {:.3g}\n",
-             caption, stage.register_micros() / 1000, stage.compile_micros() / 1000,
-             totals.worst_handle_error);
-  for (const EditTimes& edit : edits) fmt::print("{}\n", Describe(edit));
-  return film.Write(caption);
+  Reply answer;
+  answer.text = fmt::format(
+      "{}\nregistered in {:.1f} ms, compiled in {:.1f} ms, worst handle error {:.3g}\n", caption,
+      stage.register_micros() / 1000, stage.compile_micros() / 1000, totals.worst_handle_error);
+  answer.json = {{"frames", totals.frames},
+                 {"vertices", mesh.vertices.size()},
+                 {"triangles", mesh.triangles.size()},
+                 {"handles", track.handles.size()},
+                 {"mean_solve_micros", mean_solve},
+                 {"frames_with_flips", totals.frames_with_flips},
+                 {"max_stretch", totals.max_stretch},
+                 {"worst_handle_error", totals.worst_handle_error},
+                 {"register_micros", stage.register_micros()},
+                 {"compile_micros", stage.compile_micros()},
+                 {"edits", OrderedJson::array()}};
+  for (const EditTimes& edit : edits) {
+    answer.text += Describe(edit) + "\n";
+    answer.json["edits"].push_back({{"frame", edit.frame},
+                                    {"removed", edit.removed},
+                                    {"added", edit.added},
+                                    {"queue_micros", edit.queue_micros},
+                                    {"solve_micros", edit.solve_micros}});
+  }
+  CHECK_OK(film.Write(caption));
+  return answer;
 }
+
+struct BakeOptions : StageOptions {
+  bool json = false;
+};
+
+Result<Reply> Bake(const BakeOptions& options) { return BakeTrack(options); }
 
 }  // namespace
 
 void AddBake(CLI::App& app, Run& run) {
-  auto options = std::make_shared<StageOptions>();
+  auto options = std::make_shared<BakeOptions>();
   CLI::App* const command =
       app.add_subcommand("bake", "Deform a mesh by every frame of a track and write the shapes");
   AddStageOptions(*command, *options, /*out_required=*/true);
-  SetAction(*command, run, options, &Bake);
+  SetReply(*command, run, options, &Bake);
 }
 
 }  // namespace arap::cli

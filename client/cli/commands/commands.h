@@ -32,6 +32,10 @@ void AddBake(CLI::App& app, Run& run);
 void AddDrag(CLI::App& app, Run& run);
 void AddFlatten(CLI::App& app, Run& run);
 void AddMesh(CLI::App& app, Run& run);
+// register, list, show and delete, below `mesh`.
+void AddMeshCommands(CLI::App& mesh, Run& run);
+void AddSession(CLI::App& app, Run& run);
+void AddHandles(CLI::App& app, Run& run);
 void AddLoad(CLI::App& app, Run& run);
 void AddToken(CLI::App& app, Run& run);
 void AddSample(CLI::App& app, Run& run);
@@ -75,12 +79,16 @@ inline CLI::Validator Between(double low, double high) {
 inline CLI::Validator Positive() { return Between(1e-9, 1e9); }
 
 // A file to write. That it can be written is known before there is anything to write: a folder that is
-// missing or not ours is a wrong command line.
+// missing or not ours is a wrong command line. "-" is standard output, for one of them.
 inline CLI::Option* AddOutput(CLI::App& command, const std::string& flag, std::string& path,
                               const std::string& help, const std::string& text) {
   return command.add_option(flag, path, help)
       ->check(CLI::Validator(
-          [](std::string& name) {
+          [flag](std::string& name) {
+            if (name == kStandardStream) {
+              return TakeStandardOutput(flag) ? std::string()
+                                              : "standard output is for another option already";
+            }
             const Status writable = CheckWritable(name);
             return writable ? std::string() : writable.error().message;
           },

@@ -16,6 +16,7 @@
 #include "client/cli/commands/drag_loop.h"
 #include "client/cli/commands/stage.h"
 #include "client/cli/patience.h"
+#include "client/cli/reply.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
 #include "core/drawing/outline.h"
@@ -154,11 +155,11 @@ Status Drag(const DragOptions& options) {
       "with flips",
       every ? "every" : "latest", times.sent, times.answered, times.replaced, round_trip.p50,
       round_trip.p99, times.frames_with_flips);
-  fmt::print("{}\nsolve p50 {:.0f} µs, worst handle error {:.3g}, most flips in a frame {}\n",
-             caption, PercentilesOf(times.solve_micros).p50, times.worst_handle_error,
-             times.most_flips);
-  for (const EditTimes& edit : times.edits) fmt::print("{}\n", Describe(edit));
-  fmt::print("{}", PickLines(points, times.picks, stage.mesh()));
+  Say(fmt::format("{}\nsolve p50 {:.0f} µs, worst handle error {:.3g}, most flips in a frame {}\n",
+                  caption, PercentilesOf(times.solve_micros).p50, times.worst_handle_error,
+                  times.most_flips));
+  for (const EditTimes& edit : times.edits) Say(Describe(edit) + "\n");
+  Say(PickLines(points, times.picks, stage.mesh()));
   if (shapes) CHECK_OK(shapes->Close());
   if (!options.json.empty()) CHECK_OK(WriteTextFile(options.json, TimesReport(times, points)));
   return film.Write(caption);
@@ -185,8 +186,15 @@ void AddDrag(CLI::App& app, Run& run) {
                    "be given again")
       ->allow_extra_args(false)
       ->option_text("X,Y");
-  AddOutput(*command, "--json", options->json, "write the times, edits and picks", "FILE.json");
-  SetAction(*command, run, options, &Drag);
+  AddOutput(*command, "--json", options->json,
+            "write the times, edits and picks; - is standard output, errors too", "FILE.json");
+  command->callback([options, &run] {
+    run = [options] {
+      const Status done = Drag(*options);
+      if (!done && options->json == kStandardStream) return Finish(Fail(done.error()), true);
+      return ExitCode(done);
+    };
+  });
 }
 
 }  // namespace arap::cli

@@ -48,7 +48,7 @@ Status WriteLayout(const FlattenFlags& flags, const std::vector<GrainLine>& grai
     answer.flat.warnings.insert(answer.flat.warnings.end(), more.begin(), more.end());
   }
   const std::vector<std::string> summary = Summary(flat, pattern);
-  for (const std::string& line : summary) fmt::print("{}\n", line);
+  for (const std::string& line : summary) Say(line + "\n");
   CHECK_OK(WriteDrawings(drawing, pattern, summary));
   CHECK_OK(WriteSurface(flags, file, flat));
   if (flags.report.empty()) return {};
@@ -62,7 +62,7 @@ Status Compare(const FlattenFlags& flags, const client::FlattenQuery& query,
     return InOwnWords(FlattenWaiting(client, mesh, one, flags.timeout.value(), what), origins);
   };
   TRY(const std::vector<ComparisonPanel> panels, CompareMethods(query, flatten));
-  fmt::print("{}", FormatTable(panels));
+  Say(FormatTable(panels));
   const std::string caption =
       fmt::format("{} vertices, {} triangles; the squares have one size on every layout",
                   mesh.vertices.size(), mesh.triangles.size());

@@ -7,6 +7,7 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/connect/connection.h"
+#include "client/cli/reply.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
 
@@ -33,22 +34,22 @@ nlohmann::ordered_json LimitsJson(const client::Limits& limits) {
   return json;
 }
 
-Status Info(const InfoOptions& options) {
+Result<Reply> Info(const InfoOptions& options) {
   TRY(const Connection connection, Connection::Open(options.server));
   TRY(const client::ServerInfo info, connection.client().GetServerInfo({std::chrono::seconds(30)}));
   const nlohmann::ordered_json limits = LimitsJson(info.limits);
-  if (options.json) {
-    const nlohmann::ordered_json json{{"version", info.version},
-                                      {"workers", info.workers},
-                                      {"limits", limits},
-                                      {"capabilities", info.capabilities}};
-    fmt::print("{}", JsonText(json));
-    return {};
+  Reply answer{
+      {{"version", info.version},
+       {"workers", info.workers},
+       {"limits", limits},
+       {"capabilities", info.capabilities}},
+      fmt::format("version       {}\nworkers       {}\n", Printable(info.version), info.workers)};
+  answer.text += fmt::format("capabilities  {}\n",
+                             Printable(fmt::format("{}", fmt::join(info.capabilities, " "))));
+  for (const auto& [name, value] : limits.items()) {
+    answer.text += fmt::format("{:<28} {}\n", name, value.dump());
   }
-  fmt::print("version       {}\nworkers       {}\n", Printable(info.version), info.workers);
-  fmt::print("capabilities  {}\n", Printable(fmt::format("{}", fmt::join(info.capabilities, " "))));
-  for (const auto& [name, value] : limits.items()) fmt::print("{:<28} {}\n", name, value.dump());
-  return {};
+  return answer;
 }
 
 }  // namespace
@@ -57,8 +58,7 @@ void AddInfo(CLI::App& app, Run& run) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App* const command = app.add_subcommand("info", "Version, limits and capabilities");
   AddServerFlags(*command, options->server);
-  command->add_flag("--json", options->json, "answer in JSON");
-  SetAction(*command, run, options, &Info);
+  SetReply(*command, run, options, &Info);
 }
 
 }  // namespace arap::cli

@@ -14,6 +14,7 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/image.h"
+#include "client/cli/reply.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
 #include "core/files/mesh_file.h"
@@ -34,6 +35,7 @@ struct MeshFlags {
   double tolerance = 1;
   std::size_t specks = 16;
   bool fill_holes = false;
+  bool json = false;
 };
 
 constexpr std::uint8_t kAlphaThreshold = 128;
@@ -143,7 +145,7 @@ std::string FormatTextured(const PlanarMesh& mesh, std::size_t width, std::size_
   return FormatObj(surface, uv, surface.triangles);
 }
 
-Status WriteMesh(const MeshFlags& flags) {
+Result<Reply> WriteMesh(const MeshFlags& flags) {
   std::vector<Warning> warnings;
   TRY(const Figure figure, FindFigure(flags, warnings));
   TRY(const std::vector<Outline> outlines, SimplifyOutlines(figure.outlines, flags.tolerance));
@@ -160,7 +162,13 @@ Status WriteMesh(const MeshFlags& flags) {
   }
   PrintWarnings(warnings);
   CHECK_OK(WriteTextFile(flags.out, FormatTextured(mesh, figure.width, figure.height)));
-  fmt::print(
+  Reply answer{{{"vertices", mesh.vertices.size()},
+                {"triangles", mesh.triangles.size()},
+                {"pieces", result.pieces},
+                {"holes", result.holes},
+                {"smallest_angle", result.smallest_angle}},
+               {}};
+  answer.text = fmt::format(
       "{} vertices, {} triangles, {}, {}; smallest angle {:.1f} degrees\n"
       "the outline is within {} {} of {}\n",
       mesh.vertices.size(), mesh.triangles.size(), Counted(result.pieces, "piece", "pieces"),
@@ -169,7 +177,7 @@ Status WriteMesh(const MeshFlags& flags) {
       flags.expansion > 0
           ? fmt::format("where the figure ends {} pixels further out", flags.expansion)
           : "the figure's");
-  return {};
+  return answer;
 }
 
 }  // namespace
@@ -178,10 +186,10 @@ void AddMesh(CLI::App& app, Run& run) {
   auto flags = std::make_shared<MeshFlags>();
   CLI::App* const command =
       app.add_subcommand("mesh", "Make a mesh of the figure on an image, textured with it");
-  command->add_option("image", flags->image, "the image")->required()->option_text("IMAGE.png");
+  command->add_option("IMAGE", flags->image, "the image, a PNG file")
+      ->option_text("FILE.png REQUIRED");
   AddOutput(*command, "--out", flags->out, "write the mesh, in pixels with y up",
-            "FILE.obj REQUIRED")
-      ->required();
+            "FILE.obj REQUIRED");
   command->add_option("--density", flags->density, "about how many vertices; default 1000")
       ->check(CLI::Range(std::size_t{3}, kMaxAskedVertices).description(""))
       ->option_text("N");
@@ -218,8 +226,15 @@ void AddMesh(CLI::App& app, Run& run) {
       ->check(CLI::Range(std::size_t{0}, kMaxImagePixels).description(""))
       ->option_text("N");
   command->add_flag("--fill-holes", flags->fill_holes, "close all holes");
-  SetAction<MeshFlags>(*command, run, flags, [](const MeshFlags& chosen) {
-    return OrOutOfMemory([&] { return WriteMesh(chosen); });
+  AddJson(*command, flags->json);
+  AddMeshCommands(*command, run);
+  command->require_subcommand(0, 1);
+  // Its commands have their own callbacks, and none of its arguments.
+  command->callback([command, flags, &run] {
+    if (!command->get_subcommands().empty()) return;
+    if (flags->image.empty()) throw CLI::RequiredError("IMAGE");
+    if (flags->out.empty()) throw CLI::RequiredError("--out");
+    run = [flags] { return Finish(OrOutOfMemory([&] { return WriteMesh(*flags); }), flags->json); };
   });
 }
 

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/files/text_file.h"
+
 namespace arap::cli {
 namespace {
 
@@ -110,7 +112,8 @@ std::uint32_t FirstNumberIn(std::string_view path) {
   std::transform(lower.begin(), lower.end(), lower.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (lower.ends_with(kPacked)) lower.resize(lower.size() - kPacked.size());
-  return lower.ends_with(kObj) ? 1 : 0;
+  // Standard input is mostly OBJ.
+  return lower.ends_with(kObj) || lower == kStandardStream ? 1 : 0;
 }
 
 Counting CountingOf(std::string_view path, const SurfaceFile& file) {

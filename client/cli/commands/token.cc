@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
+#include "client/cli/reply.h"
 #include "client/cli/report.h"
 #include "core/base/names.h"
 #include "core/base/try.h"
@@ -31,6 +32,7 @@ struct TokenFlags {
   int expires_days = 0;  // 0: never
   std::map<std::string, std::uint64_t> limits, user_limits;
   std::string id;
+  bool json = false;
 };
 
 std::string CheckOwner(const std::string& owner) {
@@ -43,7 +45,7 @@ Result<std::vector<RawTokenEntry>> ReadRawEntries(const std::string& path) {
   return ParseRawTokenFile(text, path);
 }
 
-Status Add(const TokenFlags& flags) {
+Result<Reply> Add(const TokenFlags& flags) {
   TRY(const NewToken token, MakeToken());
   TokenEntry entry;
   entry.id = token.id;
@@ -70,31 +72,43 @@ Status Add(const TokenFlags& flags) {
     return FormatTokenFile(entries);
   };
   CHECK_OK(ChangeTokenFile(flags.file, append));
-  fmt::print("{}\n", token.text);
   fmt::print(stderr, "arapctl: this is the only time that the token is shown; {} has its hash\n",
              flags.file);
-  return {};
+  return Reply{{{"token", token.text}, {"id", token.id}, {"owner", flags.owner}},
+               token.text + "\n"};
 }
 
-Status List(const TokenFlags& flags) {
+Result<Reply> List(const TokenFlags& flags) {
   TRY(const auto entries, ReadRawEntries(flags.file));
+  Reply answer{{{"tokens", OrderedJson::array()}}, {}};
+  auto out = std::back_inserter(answer.text);
   for (const RawTokenEntry& raw : entries) {
+    OrderedJson& json =
+        answer.json["tokens"].emplace_back(OrderedJson{{"id", raw.id}, {"owner", raw.owner}});
     if (!raw.entry) {
+      json["damaged"] = raw.entry.error().message;
       const auto shown = [](const std::string& text) { return IsName(text) ? text : Quote(text); };
-      fmt::print("{} {} damaged: {}\n", shown(raw.id), shown(raw.owner), raw.entry.error().message);
+      fmt::format_to(out, "{} {} damaged: {}\n", shown(raw.id), shown(raw.owner),
+                     raw.entry.error().message);
       continue;
     }
     const TokenEntry& entry = *raw.entry;
-    fmt::print("{} {} {} {}", entry.id, entry.owner, NameOf(entry.role),
-               entry.expires ? FormatExpiry(*entry.expires) : "never");
-    for (const auto& [name, value] : entry.limits) fmt::print(" {}={}", name, value);
-    for (const auto& [name, value] : entry.user_limits) fmt::print(" user_{}={}", name, value);
-    fmt::print("\n");
+    const std::string expires = entry.expires ? FormatExpiry(*entry.expires) : "never";
+    json["role"] = NameOf(entry.role);
+    json["expires"] = expires;
+    json["limits"] = entry.limits;
+    json["user_limits"] = entry.user_limits;
+    fmt::format_to(out, "{} {} {} {}", entry.id, entry.owner, NameOf(entry.role), expires);
+    for (const auto& [name, value] : entry.limits) fmt::format_to(out, " {}={}", name, value);
+    for (const auto& [name, value] : entry.user_limits) {
+      fmt::format_to(out, " user_{}={}", name, value);
+    }
+    answer.text += '\n';
   }
-  return {};
+  return answer;
 }
 
-Status Revoke(const TokenFlags& flags) {
+Result<Reply> Revoke(const TokenFlags& flags) {
   const bool by_id = !flags.id.empty();
   const std::string& wanted = by_id ? flags.id : flags.owner;
   std::size_t count = 0;
@@ -116,15 +130,17 @@ Status Revoke(const TokenFlags& flags) {
     fmt::print(stderr, "arapctl: {} A server keeps its old tokens until that is mended.\n",
                left.error().message);
   }
-  return {};
+  return Reply{{{"revoked", count}}, {}};
 }
 
 CLI::App* AddAction(CLI::App& token, const char* name, const char* help,
                     const std::shared_ptr<TokenFlags>& flags, Run& run,
-                    Status (*action)(const TokenFlags&)) {
+                    Result<Reply> (*action)(const TokenFlags&)) {
   CLI::App* const command = token.add_subcommand(name, help);
-  command->add_option("--file", flags->file, "the server's token file")->required();
-  SetAction(*command, run, flags, action);
+  command->add_option("--file", flags->file, "the server's token file")
+      ->required()
+      ->option_text("FILE.json");
+  SetReply(*command, run, flags, action);
   return command;
 }
 
@@ -137,16 +153,20 @@ void AddToken(CLI::App& app, Run& run) {
 
   CLI::App* const add =
       AddAction(*token, "add", "Make a token, print it once and keep its hash", flags, run, &Add);
-  add->add_option("--owner", flags->owner, "whose sessions it sees")->required()->check(CheckOwner);
+  add->add_option("--owner", flags->owner, "whose sessions it sees")
+      ->required()
+      ->check(CheckOwner)
+      ->option_text("NAME");
   add->add_option("--role", flags->role,
                   "user; or admin, who also lists and ends others' sessions; or gateway, which "
                   "names the user "
                   "of each call in the header x-arapd-owner")
       ->check(
           CLI::IsMember(std::vector<std::string>(std::begin(kTokenRoles), std::end(kTokenRoles))))
-      ->capture_default_str();
+      ->option_text("user|admin|gateway");
   add->add_option("--expires-days", flags->expires_days, "how long it holds (default: for ever)")
-      ->check(CLI::Range(1, 36'500));
+      ->check(CLI::Range(1, 36'500))
+      ->option_text("DAYS");
   for (const LimitInfo& info : kLimits) {
     const std::string_view limit = TokenName(info);
     if (limit.empty()) continue;
@@ -160,6 +180,7 @@ void AddToken(CLI::App& app, Run& run) {
              help)
           // Reading it as a number without sign would take -1 for a very large one.
           ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
+          ->option_text("N")
           ->group("Limits");
     };
     option("--" + flag, &TokenFlags::limits,
@@ -175,8 +196,8 @@ void AddToken(CLI::App& app, Run& run) {
       AddAction(*token, "revoke", "Remove tokens; the server ends their streams within seconds",
                 flags, run, &Revoke);
   auto* const which = revoke->add_option_group("Which");
-  which->add_option("--id", flags->id, "the one of this id");
-  which->add_option("--owner", flags->owner, "all of this owner");
+  which->add_option("--id", flags->id, "the one of this id")->option_text("ID");
+  which->add_option("--owner", flags->owner, "all of this owner")->option_text("NAME");
   which->require_option(1);
 }
 
