@@ -121,6 +121,7 @@ std::unique_ptr<CLI::App> MakeCommandLine(const std::string& version, Run& run) 
   AddMesh(*app, run);
   AddSession(*app, run);
   AddHandles(*app, run);
+  AddWatch(*app, run);
   AddLoad(*app, run);
   AddToken(*app, run);
   AddSample(*app, run);

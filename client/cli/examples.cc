@@ -46,6 +46,9 @@ constexpr Example kExamples[] = {
     {"handles pick",
      "arapctl handles pick work/puppet --pick 0,50 --target head=0,190 \\\n"
      "  --server 127.0.0.1:50051"},
+    {"watch",
+     "arapctl watch 127.0.0.1:35193\n"
+     "arapctl watch 127.0.0.1:35193 --once --json"},
     {"load",
      "arapctl load --streams 8 --seconds 10 --vertices 10000 --spawn\n"
      "arapctl load --fps 60 --server 127.0.0.1:50051 --json load.json"},

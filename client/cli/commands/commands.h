@@ -36,6 +36,7 @@ void AddMesh(CLI::App& app, Run& run);
 void AddMeshCommands(CLI::App& mesh, Run& run);
 void AddSession(CLI::App& app, Run& run);
 void AddHandles(CLI::App& app, Run& run);
+void AddWatch(CLI::App& app, Run& run);
 void AddLoad(CLI::App& app, Run& run);
 void AddToken(CLI::App& app, Run& run);
 void AddSample(CLI::App& app, Run& run);
