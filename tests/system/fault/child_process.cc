@@ -114,6 +114,12 @@ std::optional<std::string> ChildProcess::ReadLine(const std::string& prefix, mil
 void ChildProcess::Signal(int signal) const {
   ASSERT_TRUE(running());
   EXPECT_EQ(kill(pid_, signal), 0);
+  if (signal != SIGSTOP) return;
+  // kill returns before all of its threads have stopped.
+  siginfo_t info{};
+  while (waitid(P_PID, static_cast<id_t>(pid_), &info, WSTOPPED | WEXITED | WNOWAIT) < 0 &&
+         errno == EINTR) {
+  }
 }
 
 std::optional<int> ChildProcess::Wait(milliseconds timeout) {
