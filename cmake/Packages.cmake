@@ -1,7 +1,7 @@
 # Debian packages, by `cpack -G DEB` in the build tree (script/package): arapd with its service, arapctl,
 # and libarap-client-dev with the C++ and C client libraries. They take what is built.
 set(ARAP_MAINTAINER "the arapd authors <arapd@example.org>" CACHE STRING "Maintainer of the Debian packages")
-set(packaging ${PROJECT_SOURCE_DIR}/packaging)
+set(packaging ${PROJECT_SOURCE_DIR}/cmake/debian)
 
 # What only a package has, at places of the system: not for `cmake --install`. One component per package.
 # arap_package_files(component package): copyright and changelog.
