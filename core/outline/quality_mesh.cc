@@ -17,6 +17,7 @@
 #include <CGAL/Delaunay_mesher_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Spatial_sort_traits_adapter_2.h>
+#include <CGAL/exceptions.h>
 #include <CGAL/property_map.h>
 #include <CGAL/spatial_sort.h>
 #include <fmt/format.h>
@@ -338,10 +339,9 @@ Result<QualityMesh> Finish(Draft draft, std::size_t pieces) {
   return result;
 }
 
-}  // namespace
-
-Result<QualityMesh> MeshOutlines(std::span<const Outline> outlines, std::size_t vertices,
-                                 std::size_t most, const CancelToken& cancel) {
+// MeshOutlines, whose CGAL may throw.
+Result<QualityMesh> Mesh(std::span<const Outline> outlines, std::size_t vertices, std::size_t most,
+                         const CancelToken& cancel) {
   CHECK_OK(CheckAsked(outlines, vertices));
   constexpr std::size_t kMostForEach = 100;
   const std::size_t points = PointsOf(outlines);
@@ -363,6 +363,21 @@ Result<QualityMesh> MeshOutlines(std::span<const Outline> outlines, std::size_t 
     draft = Retriangulate(draft, SeedsOf(regions));
   }
   return Finish(std::move(draft), regions.size());
+}
+
+}  // namespace
+
+Result<QualityMesh> MeshOutlines(std::span<const Outline> outlines, std::size_t vertices,
+                                 std::size_t most, const CancelToken& cancel) {
+  // Where places are so close to one another that rounding moves points across edges, what CGAL
+  // relies on does not hold. It checks that in every build (CGAL_DEBUG in core/CMakeLists.txt).
+  try {
+    return Mesh(outlines, vertices, most, cancel);
+  } catch (const CGAL::Failure_exception&) {
+    return Fail(FaultKind::kNumerical,
+                "Outlines this close to one another, or this small for how far they are from 0, "
+                "cannot be meshed.");
+  }
 }
 
 }  // namespace arap

@@ -183,6 +183,28 @@ void PutDeformation(const Seeds& seeds) {
   seeds.Put("track", "one_as_integers", track.SerializeAsString());
 }
 
+void PutOutlines(const Seeds& seeds) {
+  using Points = std::vector<double>;
+  const auto square = [](double x, double y, double side) {
+    return Points{x, y, x + side, y, x + side, y + side, x, y + side};
+  };
+  const auto put = [&](const char* name, std::uint32_t vertices,
+                       const std::vector<Points>& outlines) {
+    v1::MeshOutlineRequest request;
+    for (const Points& points : outlines) {
+      request.add_outlines()->mutable_points()->Assign(points.begin(), points.end());
+    }
+    request.set_vertex_count(vertices);
+    seeds.Put("mesh", std::string("outline_") + name, Call(5, request));
+  };
+  put("plain", 20, {square(0, 0, 8)});
+  put("island_in_a_hole", 60, {square(0, 0, 8), square(2, 2, 4), square(3, 3, 2)});
+  put("pieces", 1, {square(0, 0, 2), square(5, 0, 2), {-3, 0, -1, 0, -2, 0.001}});
+  put("touching", 20, {square(0, 0, 2), square(2, 2, 2)});
+  put("crossing", 20, {{0, 0, 4, 4, 4, 0, 0, 4}});
+  put("far", 20, {square(1e15, -1e15, -1)});
+}
+
 void PutStreams(const Seeds& seeds) {
   v1::StreamDeformRequest open, update, packed, edit, ping;
   open.mutable_open()->set_session_id(kSession);
@@ -348,6 +370,7 @@ void PutTexts(const Seeds& seeds) {
   seeds.Put("lists", "rigidity", "1\n2\n3\n1e6\n");
   seeds.Put("lists", "json", "[1, 2, 3, 4]");
   seeds.Put("lists", "pairs", "[[0, 1], [2, 3]]");
+  seeds.Put("lists", "long_lines", "1 2 3 4 5 6 7 8\n+1 1e-400 -.5 1\n");
   seeds.Put("lists", "report", "{\"cut_edges\": [[0, 1]], \"x\": {\"a\": [true, null, \"\\\"\"]}}");
 }
 
@@ -387,6 +410,7 @@ int main(int argc, char** argv) {
   const arap::fuzz::Seeds seeds(argv[1]);
   arap::fuzz::PutSessions(seeds);
   arap::fuzz::PutDeformation(seeds);
+  arap::fuzz::PutOutlines(seeds);
   arap::fuzz::PutStreams(seeds);
   arap::fuzz::PutFlattening(seeds);
   arap::fuzz::PutDrawings(seeds);
