@@ -1,5 +1,7 @@
 #include "tests/core/files/draft.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace arap::testing {
@@ -15,7 +17,7 @@ class DraftWriter {
   void Word(const std::string& word) {
     if (word.starts_with('@')) {
       out_.line = line_;
-      out_.word = word.substr(1);
+      out_.word = word.substr(1, word.find(' ') - 1);
     }
     out_.text += word.substr(word.starts_with('@') ? 1 : 0);
   }
@@ -83,8 +85,10 @@ Draft Plain() {
 }  // namespace
 
 std::vector<Point3> SheetVertices() {
-  return {{0, 0, 0}, {10, 0, 0}, {20, 0, 0}, {20, 10, 0}, {10, 10, 0}, {0, 10, 0}};
+  return {{0, 0, 0}, {10, 0, 0}, {20, 0, 0}, {20, 10, 0}, {10, 4, 0}, {0, 10, 0}};
 }
+
+double SheetArea() { return 140; }
 
 Draft PlainObj() {
   Draft draft = Plain();
@@ -129,18 +133,105 @@ DraftText OffText(const Draft& draft) {
   return writer.Take();
 }
 
-void TryAlonePaired(const std::vector<Oddity>& oddities,
-                    const std::function<void(const std::vector<const Oddity*>&)>& check) {
+DraftText ListText(const Draft& draft) {
+  DraftWriter writer(draft);
+  writer.Lines(draft.before);
+  WriteAll(draft.vertices, "", /*one_line=*/false, draft, writer);
+  writer.Lines(draft.after);
+  return writer.Take();
+}
+
+Oddities TextOddities() {
+  return {
+      {"byte_order_mark", "mark", [](Draft& d) { d.byte_order_mark = true; }},
+      {"crlf", "end", [](Draft& d) { d.end = "\r\n"; }},
+      {"cr", "end", [](Draft& d) { d.end = "\r"; }},
+      {"no_last_end", "last", [](Draft& d) { d.last_end = false; }},
+      {"tabs", "blank", [](Draft& d) { d.blank = "\t"; }},
+      {"wide_blanks", "blank", [](Draft& d) { d.blank = " \t  "; }},
+      {"blanks_at_the_end", "tail", [](Draft& d) { d.tail = " \t"; }},
+      {"comments_behind", "tail", [](Draft& d) { d.tail = "# 7 7 7"; }},
+      {"comments", "before",
+       [](Draft& d) {
+         d.before = {"# OFF", "", "#", "  # v 1 2 3"};
+       }},
+      {"comments_after", "after",
+       [](Draft& d) {
+         d.after = {"# end", " ", ""};
+       }},
+  };
+}
+
+namespace {
+
+std::string& NumberOf(std::vector<std::string>& words) {
+  return words[std::min<std::size_t>(1, words.size() - 1)];
+}
+
+std::function<void(Draft&)> EachNumber(std::function<std::string(const std::string&)> change) {
+  return [change = std::move(change)](Draft& draft) {
+    for (auto& words : draft.vertices) NumberOf(words) = change(NumberOf(words));
+  };
+}
+
+std::function<void(Draft&)> BadNumber(const std::string& word) {
+  return [word](Draft& draft) { NumberOf(draft.vertices[2]) = "@" + word; };
+}
+
+}  // namespace
+
+Oddities NumberOddities() {
+  return {
+      {"plus_signs", "number", EachNumber([](const std::string& word) { return "+" + word; })},
+      {"exponents", "number",
+       EachNumber([](const std::string& word) { return word + ".000e+00"; })},
+      {"capital_exponents", "number",
+       EachNumber([](const std::string& word) { return word + ".0E-00"; })},
+  };
+}
+
+Oddities BadNumbers() {
+  return {
+      {"nan", "bad", BadNumber("nan"), "is not a finite number"},
+      {"infinity", "bad", BadNumber("-inf"), "is not a finite number"},
+      {"overflow", "bad", BadNumber("-1e999"), "is too large for a number"},
+      {"decimal_comma", "bad", BadNumber("1,5"), "is not a number (decimal comma?)"},
+      {"rubbish_behind", "bad", BadNumber("1.5mm"), "is not a number"},
+      {"half_an_exponent", "bad", BadNumber("1.5e"), "is not a number"},
+      {"hexadecimal", "bad", BadNumber("0x10"), "is not a number"},
+  };
+}
+
+Oddities Joined(std::initializer_list<Oddities> parts) {
+  Oddities all;
+  for (const Oddities& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+bool Trial::Has(const std::string& oddity) const {
+  return std::find(names.begin(), names.end(), oddity) != names.end();
+}
+
+void TryAlonePaired(const Draft& plain, const Oddities& oddities,
+                    const std::function<void(const Trial&)>& check) {
+  const auto with = [](Trial trial, const Oddity& oddity) {
+    oddity.change(trial.draft);
+    if (oddity.complaint != nullptr) trial.complaint = oddity.complaint;
+    if (oddity.warning != nullptr) trial.warnings.emplace_back(oddity.warning);
+    trial.names.emplace_back(oddity.name);
+    return trial;
+  };
   for (std::size_t i = 0; i < oddities.size(); ++i) {
     const Oddity& first = oddities[i];
+    const Trial alone = with({plain, nullptr, {}, {}}, first);
     {
       SCOPED_TRACE(first.name);
-      check({&first});
+      check(alone);
     }
     for (std::size_t k = i + 1; k < oddities.size(); ++k) {
       if (std::string(first.group) == oddities[k].group) continue;
       SCOPED_TRACE(std::string(first.name) + ", " + oddities[k].name);
-      check({&first, &oddities[k]});
+      check(with(alone, oddities[k]));
     }
   }
 }

@@ -1,9 +1,10 @@
-// Mesh files put together with oddities: what the readers are tried with, each oddity alone and in
-// pairs.
+// Texts put together with oddities: what the readers of meshes and lists are tried with, each oddity
+// alone and in pairs.
 #pragma once
 
 #include <cstddef>
 #include <functional>
+#include <initializer_list>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,10 +13,10 @@
 
 namespace arap::testing {
 
-// A mesh file under way. A word or line that begins with @ is written without it, and is the one
-// that a reader is expected to complain about.
+// A text under way. A word or line that begins with @ is written without it, and its first word is the
+// one that a reader is expected to complain about.
 struct Draft {
-  std::vector<std::vector<std::string>> vertices, faces;  // the words of each
+  std::vector<std::vector<std::string>> vertices, faces;  // the words of each; a list has no faces
   std::vector<std::string> before, between, after;        // whole lines
   std::string header = "OFF", behind_header = "\n";       // OFF only, as the counts
   std::vector<std::string> counts;
@@ -36,13 +37,17 @@ struct DraftText {
   std::string word;
 };
 
-// A sheet of two squares in the xy plane, 20 × 10, cut into four triangles.
+// A sheet in the xy plane, 20 × 10 with a notch in the upper side, of four triangles: two convex quads,
+// which together are a concave hexagon.
 Draft PlainObj();
 Draft PlainOff();
 std::vector<Point3> SheetVertices();
+double SheetArea();
 
 DraftText ObjText(const Draft& draft);
 DraftText OffText(const Draft& draft);
+// The vertices alone.
+DraftText ListText(const Draft& draft);
 
 // What is done to a draft, and what comes of it.
 struct Oddity {
@@ -52,10 +57,29 @@ struct Oddity {
   const char* complaint = nullptr;  // a part of the sentence; none: it is read
   const char* warning = nullptr;    // the kind of the one that it draws
 };
+using Oddities = std::vector<Oddity>;
 
-// Calls `check` with each oddity alone and with every two that go together, in the order of the
-// list: those that replace the faces come first, those that spoil a word last.
-void TryAlonePaired(const std::vector<Oddity>& oddities,
-                    const std::function<void(const std::vector<const Oddity*>&)>& check);
+// What all texts have in common: byte order mark, line ends, blanks, comments.
+Oddities TextOddities();
+// Of the second number of every vertex, or of the only one.
+Oddities NumberOddities();
+// The second number of the third vertex, or the only one, is none: nan, a decimal comma, …
+Oddities BadNumbers();
+Oddities Joined(std::initializer_list<Oddities> parts);
+
+// A draft with oddities, and what is to come of it.
+struct Trial {
+  Draft draft;
+  const char* complaint = nullptr;
+  std::vector<std::string> warnings;
+  bool Has(const std::string& oddity) const;
+
+  std::vector<std::string> names;
+};
+
+// Calls `check` with each oddity alone and with every two that go together, done to the plain draft in
+// the order of the list: those that replace the faces come first, those that spoil a word last.
+void TryAlonePaired(const Draft& plain, const Oddities& oddities,
+                    const std::function<void(const Trial&)>& check);
 
 }  // namespace arap::testing
