@@ -9,6 +9,7 @@
 #include "core/files/obj_layout.h"
 #include "core/files/off.h"
 #include "tests/fuzz/check.h"
+#include "tests/fuzz/memory_cap.h"
 #include "tests/fuzz/targets.h"
 
 namespace arap::fuzz {
@@ -83,11 +84,11 @@ std::string TextOf(const std::uint8_t* data, std::size_t size) { return {data, d
 }  // namespace
 
 void Obj(const std::uint8_t* data, std::size_t size) {
-  CheckFile(ParseObj(TextOf(data, size), "fuzz"), size);
+  CheckFile(Capped(size, [&] { return ParseObj(TextOf(data, size), "fuzz"); }), size);
 }
 
 void Off(const std::uint8_t* data, std::size_t size) {
-  CheckFile(ParseOff(TextOf(data, size), "fuzz"), size);
+  CheckFile(Capped(size, [&] { return ParseOff(TextOf(data, size), "fuzz"); }), size);
 }
 
 }  // namespace arap::fuzz

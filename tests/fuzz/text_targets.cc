@@ -6,6 +6,7 @@
 #include "core/files/track_file.h"
 #include "core/files/track_writer.h"
 #include "tests/fuzz/check.h"
+#include "tests/fuzz/memory_cap.h"
 #include "tests/fuzz/targets.h"
 
 namespace arap::fuzz {
@@ -28,7 +29,7 @@ void CheckPlace(const std::string& place) {
 
 void TrackFile(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
-  const Result<arap::Track> track = ParseTrack(text, kName);
+  const Result<arap::Track> track = Capped(size, [&] { return ParseTrack(text, kName); });
   if (!track) return CheckFault(track.error(), "the fault of a track");
   std::size_t targets = 0;
   for (const TrackSegment& segment : SegmentsOf(*track)) {
@@ -45,7 +46,7 @@ void TrackFile(const std::uint8_t* data, std::size_t size) {
 
 void Lists(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
-  if (const auto seams = cli::ParseSeams(text, kName, kVertices)) {
+  if (const auto seams = Capped(size, [&] { return cli::ParseSeams(text, kName, kVertices); })) {
     for (const auto& edge : *seams) {
       Promise(edge[0] < kVertices && edge[1] < kVertices, "vertices of a seam");
     }
@@ -53,7 +54,7 @@ void Lists(const std::uint8_t* data, std::size_t size) {
   } else {
     CheckFault(seams.error(), "the fault of seams");
   }
-  if (const auto pins = cli::ParsePins(text, kName, kVertices)) {
+  if (const auto pins = Capped(size, [&] { return cli::ParsePins(text, kName, kVertices); })) {
     for (const UvPin& pin : *pins) {
       Promise(pin.vertex < kVertices && pin.weight >= 0, "a pin");
       CheckFinite(pin.uv.real() + pin.uv.imag(), "a pin");
@@ -62,7 +63,8 @@ void Lists(const std::uint8_t* data, std::size_t size) {
   } else {
     CheckFault(pins.error(), "the fault of pins");
   }
-  if (const auto rigidity = cli::ParseRigidity(text, kName, kTriangles)) {
+  if (const auto rigidity =
+          Capped(size, [&] { return cli::ParseRigidity(text, kName, kTriangles); })) {
     for (const double number : *rigidity) Promise(number > 0 && number <= kMaxRigidity, "rigidity");
     CheckPlace(cli::PlaceOfRigidity(text, kName, kTriangles - 1));
   } else {
