@@ -1,5 +1,6 @@
 #include "core/files/obj.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -275,6 +276,12 @@ void AppendFaces(std::span<const Triangle> triangles, std::string& out) {
   }
 }
 
+// A backslash could join lines here.
+void AppendName(std::string name, std::string& out) {
+  std::replace(name.begin(), name.end(), '\\', '_');
+  out += "o " + name + '\n';
+}
+
 }  // namespace
 
 Result<SurfaceFile> ParseObj(std::string text, const std::string& name) {
@@ -298,6 +305,24 @@ std::string FormatObj(const SurfaceMesh& mesh) {
   std::string out;
   AppendVertices(mesh.vertices, out);
   AppendFaces(mesh.triangles, out);
+  return out;
+}
+
+std::string FormatObj(const SurfaceFile& file) {
+  std::string out;
+  AppendVertices(file.mesh.vertices, out);
+  auto part = file.parts.begin();
+  for (std::size_t f = 0; f < file.face_count(); ++f) {
+    // Several may begin at one face; the last one counts.
+    for (; part != file.parts.end() && part->first_face <= f; ++part) {
+      if (file.names.size() > 1) AppendName(file.names[part->object], out);
+    }
+    out += 'f';
+    for (const std::uint32_t corner : file.CornersOf(f)) {
+      fmt::format_to(std::back_inserter(out), " {}", std::uint64_t{corner} + 1);
+    }
+    out += '\n';
+  }
   return out;
 }
 

@@ -27,6 +27,8 @@ Result<SurfaceFile> ParseObj(std::string text, const std::string& name);
 // the plane.
 std::string FormatObj(const PlanarMesh& mesh);
 std::string FormatObj(const SurfaceMesh& mesh);
+// With the faces and the objects that a file of any format has.
+std::string FormatObj(const SurfaceFile& file);
 // With a layout: a vt for each flat position in `uv` (#U), and `corner_uv` (#F) says which of them
 // each corner has.
 std::string FormatObj(const SurfaceMesh& mesh, std::span<const Complex> uv,

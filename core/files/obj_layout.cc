@@ -39,10 +39,11 @@ struct CornerText {
 
 class LayoutWriter {
  public:
-  LayoutWriter(const SurfaceFile& file, std::span<const Complex> uv,
+  // `text` is one of the surface, and outlives this.
+  LayoutWriter(const SurfaceFile& file, std::string_view text, std::span<const Complex> uv,
                std::span<const Triangle> corner_uv)
       : file_(file),
-        text_(file.text),
+        text_(text),
         uv_(uv),
         corner_uv_(corner_uv),
         end_(LineEndOf(text_)),
@@ -188,8 +189,8 @@ class LayoutWriter {
 
 std::string FormatLayout(const SurfaceFile& file, std::span<const Complex> uv,
                          std::span<const Triangle> corner_uv, std::vector<Warning>& warnings) {
-  if (file.text.empty()) return FormatObj(file.mesh, uv, corner_uv);
-  LayoutWriter writer(file, uv, corner_uv);
+  const std::string made = file.text.empty() ? FormatObj(file) : std::string();
+  LayoutWriter writer(file, file.text.empty() ? made : file.text, uv, corner_uv);
   std::string out = writer.Write();
   if (const std::vector<std::uint32_t>& split = writer.split_faces(); !split.empty()) {
     Warning& warning = warnings.emplace_back();
@@ -198,9 +199,10 @@ std::string FormatLayout(const SurfaceFile& file, std::span<const Complex> uv,
     warning.elements.assign(split.begin(), split.begin() + static_cast<std::ptrdiff_t>(std::min(
                                                                split.size(), Fault::kMaxElements)));
     warning.message = fmt::format(
-        "faces that the layout cuts across are written as triangles, the first is that of line {} "
-        "({} in all)",
-        file.face_lines[split.front()], split.size());
+        "faces that the layout cuts across are written as triangles, the first is {} {} ({} in "
+        "all)",
+        file.face_lines.empty() ? "face" : "that of line",
+        file.face_lines.empty() ? split.front() : file.face_lines[split.front()], split.size());
   }
   return out;
 }

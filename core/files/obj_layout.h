@@ -14,8 +14,8 @@ namespace arap {
 // flat position in `uv` (#U) where the first one was, or else before the first face, and in every
 // corner of a face the one that `corner_uv` (#F) has for it. The old vt lines are gone, and so are
 // the indices of lines (l) into them. Faces that the layout is cut across cannot be kept: they are
-// written as their triangles, and `warnings` gets one that says how many. A surface of another
-// format is written as FormatObj writes its mesh.
+// written as their triangles, and `warnings` gets one that says how many. The text of a
+// surface of another format is what FormatObj makes of it.
 std::string FormatLayout(const SurfaceFile& file, std::span<const Complex> uv,
                          std::span<const Triangle> corner_uv, std::vector<Warning>& warnings);
 

@@ -191,6 +191,7 @@ class OffReader {
     for (std::string_view word; !(word = scanner_.Word()).empty();) {
       if (++count > most) return Bad(fmt::format("{} is one number too many", Quoted(word)));
       TRY([[maybe_unused]] const double number, ReadNumber(word));
+      file_.has_extras = true;
     }
     return {};
   }

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "core/files/polygon.h"
-#include "core/files/text_scan.h"
 
 namespace arap {
 namespace {
@@ -33,8 +32,8 @@ class FaceCounter {
   void Tell(std::string kind, std::string_view what) && {
     if (warning_.count == 0) return;
     warning_.kind = std::move(kind);
-    warning_.message = fmt::format("{}:{}: {} ({} in all)", name_,
-                                   file_.face_lines[warning_.elements[0]], what, warning_.count);
+    warning_.message = fmt::format("{}: {} ({} in all)", file_.PlaceOf(name_, warning_.elements[0]),
+                                   what, warning_.count);
     file_.warnings.push_back(std::move(warning_));
   }
 
@@ -61,9 +60,25 @@ std::string_view SurfaceFile::GroupOf(std::size_t face) const {
   return part == nullptr ? std::string_view() : names[part->group];
 }
 
+std::string SurfaceFile::PlaceOf(const std::string& name, std::size_t face) const {
+  return face_lines.empty() ? fmt::format("{}: face {}", name, face)
+                            : fmt::format("{}:{}", name, face_lines[face]);
+}
+
+void SurfaceFile::BeginObject(std::string object) {
+  SurfacePart& part = parts.emplace_back();
+  part.first_face = static_cast<std::uint32_t>(face_count());
+  if (object.empty()) return;
+  std::replace_if(
+      object.begin(), object.end(),
+      [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }, '_');
+  part.object = static_cast<std::uint32_t>(names.size());
+  names.push_back(std::move(object));
+}
+
 void SurfaceFile::EndFace(std::size_t line) {
   first_corner.push_back(static_cast<std::uint32_t>(corners.size()));
-  face_lines.push_back(static_cast<std::uint32_t>(line));
+  if (line != 0) face_lines.push_back(static_cast<std::uint32_t>(line));
 }
 
 Status SurfaceFile::CutFaces(const std::string& name) {
@@ -91,9 +106,9 @@ Status SurfaceFile::CutFaces(const std::string& name) {
         unclear.Add(f);
         break;
       case PolygonCut::kTooLong:
-        return FailAt(name, face_lines[f],
-                      fmt::format("the face is concave and has {} corners; the limit is {}",
-                                  polygon.size(), kMaxConcaveCorners));
+        return Fail(FaultKind::kInvalidOption,
+                    fmt::format("{}: the face is concave and has {} corners; the limit is {}",
+                                PlaceOf(name, f), polygon.size(), kMaxConcaveCorners));
     }
     first_triangle.push_back(static_cast<std::uint32_t>(mesh.triangles.size()));
   }

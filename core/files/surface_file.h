@@ -20,7 +20,7 @@ struct SurfacePart {
 };
 
 // #V vertices and #P faces in the order of the file; #F triangles, those of a face one after the
-// other. It takes at most twelve bytes for each byte of the file.
+// other. It takes at most twelve bytes for each byte of the file, and a little more.
 struct SurfaceFile {
   // Faces of more than three corners are cut into triangles.
   SurfaceMesh mesh;
@@ -32,11 +32,14 @@ struct SurfaceFile {
   std::vector<std::uint32_t> corners;             // vertices, face by face
   std::vector<std::uint32_t> first_corner{0};     // #P + 1, in `corners`
   std::vector<std::uint32_t> first_triangle{0};   // #P + 1
-  std::vector<std::uint32_t> face_lines;          // #P, in the file, from 1
+  std::vector<std::uint32_t> face_lines;          // #P, from 1; empty where there are no lines
   std::vector<std::string> names{std::string()};  // the first one stands for none
   std::vector<SurfacePart> parts;                 // by first_face; may begin behind face 0
+  // Whether the file tells more of its vertices and faces than is read: colours, normals and the
+  // like. Of an OBJ file all of it stays in the text.
+  bool has_extras = false;
 
-  std::size_t face_count() const { return face_lines.size(); }
+  std::size_t face_count() const { return first_corner.size() - 1; }
   std::span<const std::uint32_t> CornersOf(std::size_t face) const {
     return std::span(corners).subspan(first_corner[face],
                                       first_corner[face + 1] - first_corner[face]);
@@ -48,10 +51,17 @@ struct SurfaceFile {
   std::string_view ObjectOf(std::size_t face) const;
   std::string_view GroupOf(std::size_t face) const;
 
-  // Ends a face whose corners were appended.
-  void EndFace(std::size_t line);
+  // Where a face is in the file `name`: "name:7", or "name: face 7", counted from 0, where there
+  // are no lines.
+  std::string PlaceOf(const std::string& name, std::size_t face) const;
+
+  // From the next face on the file speaks of this object, which need not have a name. What ends
+  // lines, or means something else to a terminal, becomes _.
+  void BeginObject(std::string object);
+  // Ends a face whose corners were appended; 0 where there are no lines.
+  void EndFace(std::size_t line = 0);
   // Makes the triangles of all faces, and warnings of those that there is no right cut for. What a
-  // reader does last. kInvalidOption with `name` and the line for a face that is too long to cut.
+  // reader does last. kInvalidOption with the place for a face that is too long to cut.
   Status CutFaces(const std::string& name);
 };
 

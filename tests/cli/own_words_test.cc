@@ -22,6 +22,13 @@ TEST(OwnWords, ObjFilesCountFromOne) {
   }
 }
 
+TEST(OwnWords, WhatIsNoObjFileCountsFromZeroWhateverItIsCalled) {
+  SurfaceFile file;
+  EXPECT_EQ(CountingOf("a.obj", file).first, 0u);
+  file.text = "v 0 0 0\n";
+  EXPECT_EQ(CountingOf("a.obj", file).first, 1u);
+}
+
 TEST(OwnWords, NumbersBehindTheWordsForElementsAreTheFiles) {
   const struct {
     const char* said;

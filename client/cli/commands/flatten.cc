@@ -29,6 +29,14 @@ Status WriteSurface(const FlattenFlags& flags, const SurfaceFile& file, const Fl
   std::vector<Warning> warnings;
   const std::string text =
       FormatLayout(file, unit ? InUnitSquare(flat.uv) : flat.uv, flat.corner_uv, warnings);
+  if (file.text.empty()) {
+    Warning& warning = warnings.emplace_back();
+    warning.kind = "written_anew";
+    warning.count = 1;
+    warning.message = fmt::format(
+        "{} is written anew, with the vertices, faces and objects of {}{}", flags.out,
+        flags.surface, file.has_extras ? "; colours, normals and the like are not kept" : "");
+  }
   PrintWarnings(warnings);
   return WriteTextFile(flags.out, text);
 }

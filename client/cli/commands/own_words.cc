@@ -117,7 +117,8 @@ std::uint32_t FirstNumberIn(std::string_view path) {
 }
 
 Counting CountingOf(std::string_view path, const SurfaceFile& file) {
-  Counting counting{FirstNumberIn(path), {}};
+  // What is no OBJ file counts from 0, whatever it is called.
+  Counting counting{file.text.empty() ? 0 : FirstNumberIn(path), {}};
   if (file.face_lines.empty()) return counting;
   counting.line_of = [&file](std::uint32_t triangle) -> std::size_t {
     return triangle < file.mesh.triangles.size() ? file.face_lines[file.FaceOf(triangle)] : 0;
