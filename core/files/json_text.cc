@@ -1,10 +1,12 @@
 #include "core/files/json_text.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "core/base/try.h"
 #include "core/files/text_file.h"
 
 namespace arap {
@@ -18,20 +20,23 @@ std::string PlaceName(std::string_view text, const std::string& name, std::size_
 // Keeps nothing but the first thing that is wrong.
 class Critic final : public nlohmann::json_sax<nlohmann::ordered_json> {
  public:
-  std::size_t read = 0;  // bytes, with the one that is wrong
-  std::string what;
+  explicit Critic(std::size_t most_values = std::numeric_limits<std::size_t>::max())
+      : most_values_(most_values) {}
 
-  bool null() override { return true; }
-  bool boolean(bool /*value*/) override { return true; }
-  bool number_integer(number_integer_t /*value*/) override { return true; }
-  bool number_unsigned(number_unsigned_t /*value*/) override { return true; }
-  bool number_float(number_float_t /*value*/, const string_t& /*text*/) override { return true; }
-  bool string(string_t& /*value*/) override { return true; }
-  bool binary(binary_t& /*value*/) override { return true; }
-  bool start_object(std::size_t /*size*/) override { return true; }
+  std::size_t read = 0;  // bytes, with the one that is wrong
+  std::string what;      // stays empty when there are too many values
+
+  bool null() override { return Count(); }
+  bool boolean(bool /*value*/) override { return Count(); }
+  bool number_integer(number_integer_t /*value*/) override { return Count(); }
+  bool number_unsigned(number_unsigned_t /*value*/) override { return Count(); }
+  bool number_float(number_float_t /*value*/, const string_t& /*text*/) override { return Count(); }
+  bool string(string_t& /*value*/) override { return Count(); }
+  bool binary(binary_t& /*value*/) override { return Count(); }
+  bool start_object(std::size_t /*size*/) override { return Count(); }
   bool key(string_t& /*value*/) override { return true; }
   bool end_object() override { return true; }
-  bool start_array(std::size_t /*size*/) override { return true; }
+  bool start_array(std::size_t /*size*/) override { return Count(); }
   bool end_array() override { return true; }
   bool parse_error(std::size_t position, const std::string& /*token*/,
                    const nlohmann::detail::exception& error) override {
@@ -49,7 +54,19 @@ class Critic final : public nlohmann::json_sax<nlohmann::ordered_json> {
     }
     return false;
   }
+
+ private:
+  bool Count() { return ++values_ <= most_values_; }
+
+  std::size_t most_values_, values_ = 0;
 };
+
+tl::unexpected<Fault> NotJson(std::string_view text, const std::string& name,
+                              const Critic& critic) {
+  const std::size_t offset = critic.read > 0 ? critic.read - 1 : 0;
+  return Fail(FaultKind::kInvalidOption,
+              fmt::format("{}: not JSON: {}", PlaceName(text, name, offset), critic.what));
+}
 
 // Goes through a text that is known to be JSON.
 class Walker {
@@ -150,20 +167,34 @@ std::optional<std::size_t> FirstTooDeep(std::string_view text) {
   return std::nullopt;
 }
 
+Status CheckDepth(std::string_view text, const std::string& name) {
+  const auto deep = FirstTooDeep(text);
+  if (!deep) return {};
+  return Fail(FaultKind::kInvalidOption,
+              PlaceName(text, name, *deep) + ": lists and objects are nested too deeply");
+}
+
 }  // namespace
 
 Result<nlohmann::ordered_json> ParseJson(std::string_view text, const std::string& name) {
-  if (const auto deep = FirstTooDeep(text)) {
-    return Fail(FaultKind::kInvalidOption,
-                PlaceName(text, name, *deep) + ": lists and objects are nested too deeply");
-  }
+  CHECK_OK(CheckDepth(text, name));
   auto json = nlohmann::ordered_json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!json.is_discarded()) return json;
   Critic critic;
   nlohmann::ordered_json::sax_parse(text, &critic);
-  const std::size_t offset = critic.read > 0 ? critic.read - 1 : 0;
-  return Fail(FaultKind::kInvalidOption,
-              fmt::format("{}: not JSON: {}", PlaceName(text, name, offset), critic.what));
+  return NotJson(text, name, critic);
+}
+
+Result<nlohmann::json> ParseJsonData(std::string_view text, const std::string& name,
+                                     std::size_t most_values) {
+  CHECK_OK(CheckDepth(text, name));
+  Critic critic(most_values);
+  if (!nlohmann::ordered_json::sax_parse(text, &critic)) {
+    if (!critic.what.empty()) return NotJson(text, name, critic);
+    return Fail(FaultKind::kInvalidOption,
+                fmt::format("{}: the limit is {} values in JSON", name, most_values));
+  }
+  return nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
 }
 
 std::string JsonPlace(std::string_view text, const std::string& name,

@@ -17,6 +17,12 @@ namespace arap {
 // that is nested a hundred times and more.
 Result<nlohmann::ordered_json> ParseJson(std::string_view text, const std::string& name);
 
+// The same for JSON that programs write, with the members of objects in any order. It fails too, and
+// keeps nothing, when there are more than `most_values` of all kinds: a value takes many times the
+// bytes that it may have in the text.
+Result<nlohmann::json> ParseJsonData(std::string_view text, const std::string& name,
+                                     std::size_t most_values);
+
 // The member of an object, or the element of an array counted from 0.
 using JsonStep = std::variant<std::string_view, std::size_t>;
 

@@ -1,5 +1,6 @@
-// Meshes in files, Wavefront OBJ (.obj) and OFF (.off); and the shapes that one takes, frame by
-// frame, in shapes.csv: a header "frame,x0,y0,x1,y1,…", then a row per frame.
+// Meshes in files: Wavefront OBJ (.obj), OFF (.off), STL (.stl), PLY (.ply) and glTF (.gltf, .glb),
+// also packed by gzip (.gz); and the shapes that one takes, frame by frame, in shapes.csv: a header
+// "frame,x0,y0,x1,y1,…", then a row per frame.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +15,9 @@
 
 namespace arap {
 
-// The format is that of the name's ending; standard input is OFF where it begins so, else OBJ. Faults name the file: kNotFound (it cannot be opened) or
-// kInvalidOption (another ending, or what ParseObj and ParseOff refuse).
+// The format is that of the content, where that shows it, and else that of the name's ending; when
+// they differ a warning says so. Standard input is OBJ where its content shows nothing else. Faults name the file: kNotFound (it cannot be opened, or what a glTF
+// file names beside it) or kInvalidOption (no such format, or what its reader and Unpack refuse).
 Result<SurfaceFile> ReadSurfaceFile(const std::string& path);
 // Its mesh alone, without the warnings.
 Result<SurfaceMesh> ReadSurfaceMesh(const std::string& path);

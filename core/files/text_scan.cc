@@ -105,12 +105,24 @@ bool TextScanner::NextLine() {
   return at_ < text_.size();
 }
 
+std::string_view FirstWordOf(std::string_view text) {
+  TextScanner scanner(text);
+  std::string_view word;
+  while ((word = scanner.Word()).empty() && scanner.NextLine()) {
+  }
+  return word;
+}
+
+Status CheckSize(std::string_view bytes, const std::string& name) {
+  if (bytes.size() >= std::size_t{1} << 32U) return Bad(name + ": the limit is 4 GiB");
+  return {};
+}
+
 Status CheckText(std::string_view text, const std::string& name) {
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
     return Bad(name + ": the text is in UTF-16; save it as UTF-8");
   }
-  if (text.size() >= std::size_t{1} << 32U) return Bad(name + ": the limit is 4 GiB");
-  return {};
+  return CheckSize(text, name);
 }
 
 tl::unexpected<Fault> FailAt(const std::string& name, std::size_t line, std::string_view what) {

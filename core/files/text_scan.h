@@ -40,7 +40,12 @@ class TextScanner {
   std::size_t line_ = 1;
 };
 
-// kInvalidOption with "name: …" for a text that no reader of text takes: UTF-16, or 4 GiB and more.
+// The first word of a text, on whatever line it is; empty when there is none.
+std::string_view FirstWordOf(std::string_view text);
+
+// kInvalidOption with "name: …" for 4 GiB and more.
+Status CheckSize(std::string_view bytes, const std::string& name);
+// The same, and for a text that no reader of text takes: UTF-16.
 Status CheckText(std::string_view text, const std::string& name);
 
 // kInvalidOption with "name:line: …".

@@ -20,9 +20,10 @@ namespace {
 
 void AddOutputs(CLI::App& command, FlattenFlags& flags) {
   auto* const outputs = command.add_option_group("Output", "what to write, at least one");
-  auto* const out = AddOutput(
-      *outputs, "--out", flags.out,
-      "the surface with flat positions as vt; the rest of an OBJ file is kept", "FILE.obj");
+  auto* const out = AddOutput(*outputs, "--out", flags.out,
+                              "the surface with flat positions as vt; the rest of an OBJ file is "
+                              "kept, other formats are written anew",
+                              "FILE.obj");
   AddChoice<FlattenFlags::Vt>(
       *outputs, "--vt", flags.vt,
       {{"true", FlattenFlags::Vt::kTrue}, {"unit", FlattenFlags::Vt::kUnit}},
@@ -250,7 +251,10 @@ Result<FlattenOptions> MethodFlags::Options() const {
 }
 
 void AddFlattenFlags(CLI::App& command, FlattenFlags& flags) {
-  command.add_option("SURFACE", flags.surface, "the surface: an OBJ or OFF file")->required();
+  command
+      .add_option("SURFACE", flags.surface,
+                  "the surface: an OBJ, OFF, STL, PLY or glTF file, also packed (.gz)")
+      ->required();
   AddServerFlags(command, flags.server);
   AddMethodFlags(command, flags.method);
   AddTimeout(command, flags.timeout);

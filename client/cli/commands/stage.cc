@@ -17,7 +17,9 @@
 namespace arap::cli {
 
 void AddStageOptions(CLI::App& command, StageOptions& options, bool out_required) {
-  command.add_option("MESH", options.mesh, "the mesh: an OBJ or OFF file, in any plane")
+  command
+      .add_option("MESH", options.mesh,
+                  "the mesh: an OBJ, OFF, STL, PLY or glTF file, also packed (.gz), in any plane")
       ->required();
   command.add_option("TRACK", options.track, "the handles and their frames: TRACK.json")
       ->required();
