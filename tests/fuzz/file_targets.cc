@@ -1,13 +1,18 @@
-// The readers of mesh files, and the writer that keeps the text of one.
+// The readers of mesh files, and the writer that keeps the text of one or makes one.
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/files/gltf.h"
+#include "core/files/gzip.h"
 #include "core/files/obj.h"
 #include "core/files/obj_layout.h"
 #include "core/files/off.h"
+#include "core/files/ply.h"
+#include "core/files/stl.h"
 #include "tests/fuzz/check.h"
 #include "tests/fuzz/memory_cap.h"
 #include "tests/fuzz/targets.h"
@@ -31,9 +36,11 @@ std::size_t BytesOf(const SurfaceFile& file) {
   return bytes;
 }
 
-void CheckSurface(const SurfaceFile& file, std::size_t size) {
-  constexpr std::size_t kFixed = std::size_t{64} << 10U;  // warnings and what a string has at least
-  Promise(BytesOf(file) <= kFixed + 20 * size, "a surface takes no more than its file allows");
+// Warnings, and what a string has at least.
+constexpr std::size_t kFixedBytes = std::size_t{64} << 10U;
+
+void CheckSurface(const SurfaceFile& file, std::size_t size, std::size_t fixed) {
+  Promise(BytesOf(file) <= fixed + 20 * size, "a surface takes no more than its file allows");
   for (const Point3& p : file.mesh.vertices) {
     for (const double x : p) CheckFinite(x, "vertex");
   }
@@ -73,9 +80,9 @@ void CheckWriting(const SurfaceFile& file) {
   Promise(twice == text, "what is written once more is the same text", text.c_str());
 }
 
-void CheckFile(const Result<SurfaceFile>& file, std::size_t size) {
+void CheckFile(const Result<SurfaceFile>& file, std::size_t size, std::size_t fixed = kFixedBytes) {
   if (!file) return CheckFault(file.error());
-  CheckSurface(*file, size);
+  CheckSurface(*file, size, fixed);
   CheckWriting(*file);
 }
 
@@ -89,6 +96,33 @@ void Obj(const std::uint8_t* data, std::size_t size) {
 
 void Off(const std::uint8_t* data, std::size_t size) {
   CheckFile(Capped(size, [&] { return ParseOff(TextOf(data, size), "fuzz"); }), size);
+}
+
+void Stl(const std::uint8_t* data, std::size_t size) {
+  CheckFile(Capped(size, [&] { return ParseStl(TextOf(data, size), "fuzz"); }), size);
+}
+
+void Ply(const std::uint8_t* data, std::size_t size) {
+  CheckFile(Capped(size, [&] { return ParsePly(TextOf(data, size), "fuzz"); }), size);
+}
+
+void Gltf(const std::uint8_t* data, std::size_t size) {
+  // Nodes may repeat a mesh to 4 MiB, in vectors that are up to twice as large.
+  constexpr std::size_t kRepeated = std::size_t{8} << 20U;
+  const LoadBeside load = [](const std::string& path, std::size_t least) -> Result<std::string> {
+    if (path.size() % 2 == 0) return Fail(FaultKind::kNotFound, "not there");
+    return std::string(std::min<std::size_t>(least, 64), '\1');
+  };
+  CheckFile(Capped(size, [&] { return ParseGltf(TextOf(data, size), "fuzz", load); }), size + 64,
+            kRepeated + kFixedBytes);
+}
+
+void Gzip(const std::uint8_t* data, std::size_t size) {
+  constexpr std::size_t kMost = std::size_t{1} << 20U;
+  const Result<std::string> text =
+      Capped(size, [&] { return Unpack(TextOf(data, size), "fuzz", kMost); });
+  if (!text) return CheckFault(text.error());
+  Promise(text->size() <= kMost, "no more is unpacked than is allowed");
 }
 
 }  // namespace arap::fuzz

@@ -27,9 +27,14 @@ void Track(const std::uint8_t* data, std::size_t size);
 void CoreDeform(const std::uint8_t* data, std::size_t size);
 void CoreFlatten(const std::uint8_t* data, std::size_t size);
 
-// The texts of mesh files, read; written with a layout, and read again.
+// Mesh files, read; written with a layout, and read again.
 void Obj(const std::uint8_t* data, std::size_t size);
 void Off(const std::uint8_t* data, std::size_t size);
+void Stl(const std::uint8_t* data, std::size_t size);
+void Ply(const std::uint8_t* data, std::size_t size);
+void Gltf(const std::uint8_t* data, std::size_t size);
+// What gzip has packed.
+void Gzip(const std::uint8_t* data, std::size_t size);
 
 // The rules of a stream without the wire: messages, ends of jobs and writes, and time in any order.
 void Policy(const std::uint8_t* data, std::size_t size);
@@ -59,6 +64,10 @@ inline constexpr FuzzTarget kTargets[] = {
     {"lists", Lists},
     {"obj", Obj},
     {"off", Off},
+    {"stl", Stl},
+    {"ply", Ply},
+    {"gltf", Gltf},
+    {"gzip", Gzip},
 };
 
 }  // namespace arap::fuzz
