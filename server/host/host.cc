@@ -34,10 +34,12 @@ constexpr std::chrono::milliseconds kDialPatience = std::chrono::seconds(2);
 // Memory that is held and not accounted for goes back to the system when it is so much, so often;
 // and at once when the budget is nearly used up, if it is so much more than after the last time.
 // Meanwhile whoever needs memory waits.
-constexpr double kLoose = 96e6;
+constexpr double kLoose = 48e6;
 constexpr std::size_t kTrimEvery = 10;  // sweeps
 constexpr double kNearly = 0.7;         // of the budget
 constexpr double kMoreLoose = 32e6;
+// What is in use that nobody accounts for, before connections with many calls are cut.
+constexpr std::size_t kUnaccounted = 64'000'000;
 
 // Descriptors for everything but connections: store, logs, libraries, files of the moment.
 constexpr std::size_t kReserve = 256;
@@ -143,6 +145,7 @@ Host::Host(const HostOptions& options, std::shared_ptr<const runtime::Clock> clo
     half_requests_.Release();
     half_requests_ = engine_.derived.Hold({}, bytes);
   });
+  connections_.OnPressure([this] { return UnderPressure(); });
   services_.push_back(health_.MakeService({engine_, identity_}));
   // Jobs may take long.
   for (const runtime::WorkerPool* lane : {&engine_.interactive, &engine_.control}) {
@@ -236,11 +239,15 @@ void Host::Sweep() {
   sweep_failed_ = !swept;
 }
 
+bool Host::UnderPressure() const {
+  const struct mallinfo2 memory = mallinfo2();
+  return memory.uordblks + memory.hblkhd > engine_.derived.bytes() + kUnaccounted;
+}
+
 void Host::TrimMemory() {
   const double resident = runtime::ResidentBytes();
-  const auto accounted = static_cast<double>(engine_.derived.bytes());
   ++sweeps_;
-  if (resident <= accounted + kLoose) return;
+  if (resident <= static_cast<double>(engine_.derived.bytes()) + kLoose) return;
   const bool urgent = resident > kNearly * static_cast<double>(engine_.limits.max_bytes) &&
                       resident > trimmed_to_ + kMoreLoose;
   if (sweeps_ % kTrimEvery != 0 && !urgent) return;

@@ -82,11 +82,6 @@ class Host {
   const Readiness& readiness() const { return readiness_; }
 
   // Asks the store and the lanes, and tells grpc.health. Happens by itself every second.
-  // Each when it is seen first, and again when it has gone.
-  // Gives back what a flood or an eviction has freed: by itself the allocator keeps the most that
-  // each of its arenas ever held.
-  void TrimMemory();
-  void LogWeaknesses() ABSL_EXCLUSIVE_LOCKS_REQUIRED(health_mutex_);
   void RefreshHealth();
 
   // Not ready and NOT_SERVING from now on, while everything goes on working: load balancers look
@@ -107,6 +102,13 @@ class Host {
   void Sweep();
   // Knocks at our own doors.
   void Dial();
+  // Whether much more memory is in use than is accounted for. Thread-safe; up to a millisecond.
+  bool UnderPressure() const;
+  // Gives back what a flood or an eviction has freed: by itself the allocator keeps the most that
+  // each of its arenas ever held.
+  void TrimMemory();
+  // Each when it is seen first, and again when it has gone.
+  void LogWeaknesses() ABSL_EXCLUSIVE_LOCKS_REQUIRED(health_mutex_);
   std::vector<std::string> ServiceNames() const;
 
   // Destroyed from the bottom up: the server before its services before what they work on.

@@ -16,6 +16,7 @@ constexpr milliseconds kBusy{20};
 constexpr milliseconds kWatchful{50};
 constexpr std::size_t kLooksPerMillisecond = 10;
 constexpr std::size_t kReceivingStep = 4u << 20u;
+constexpr std::size_t kAskPressureEvery = 64;
 
 // What a stranger of an address on probation may do, as a part of what others may.
 constexpr std::size_t kProbationPart = 16;
@@ -93,7 +94,7 @@ std::shared_ptr<const void> Connections::Begin(std::string_view peer, bool let_i
   if (let_in) ++calls->let_in;
   const bool counts = !let_in && bounds_.unknown_calls > 0;
   const bool within = !counts || MayCall(connection);
-  if (++calls->all > bounds_.most_calls) {
+  if (!MayHave(++calls->all)) {
     connection.known ? Cut(found) : CutStranger(found);
   } else if (calls->let_in == 0 && (!within || !MayStay(connection))) {
     CutStranger(found);
@@ -102,6 +103,14 @@ std::shared_ptr<const void> Connections::Begin(std::string_view peer, bool let_i
             if (let_in) --calls->let_in;
             --calls->all;
           }};
+}
+
+bool Connections::MayHave(std::size_t calls) const {
+  if (calls > bounds_.most_calls) return false;
+  const std::size_t allowed = bounds_.most_calls_under_pressure;
+  // Asking may take a while, so only some calls do.
+  if (calls <= allowed || (calls - allowed - 1) % kAskPressureEvery != 0) return true;
+  return !under_pressure_ || !under_pressure_();
 }
 
 std::size_t Connections::PartOf(const Connection& connection) const {

@@ -44,10 +44,12 @@ struct ConnectionBounds {
   double unknown_calls_per_second = 16;
   std::chrono::milliseconds probation = std::chrono::seconds(30);
   double probation_connections_per_second = 10;
-  // Calls of one connection that have begun and not ended. HTTP/2 bounds those that are open (320),
-  // but not those that a client has reset and that nobody has cleared away yet. This is twice as
-  // many: until a connection is cut, gRPC takes in up to thirty times as many with 8 KB each.
-  std::size_t most_calls = 640;
+  // Calls of one connection that have begun and not ended. HTTP/2 bounds those that are open, but
+  // not those that a client has reset and that nobody has cleared away yet. On a busy machine gRPC
+  // holds ten to thirty times as many that have not begun, with 8 KB each: so fewer may be, when
+  // memory is held that nobody accounts for.
+  std::size_t most_calls = 2'048;
+  std::size_t most_calls_under_pressure = 640;
   // Requests that have begun to come in and are not complete: how many, how many bytes of them all,
   // and how long each may take.
   std::size_t most_receiving = 1'024;
@@ -73,6 +75,10 @@ class Connections {
   // thread that sweeps; it must not call back. Before the first connection.
   void OnReceiving(std::function<void(std::size_t bytes)> told) { on_receiving_ = std::move(told); }
 
+  // `asked` says whether much more memory is in use than is accounted for. It is asked with a lock
+  // held, and only of connections with many calls, at some of them. Before the first connection.
+  void OnPressure(std::function<bool()> asked) { under_pressure_ = std::move(asked); }
+
   // kSoon: many of its address have just come, ask again in a moment. kLater: its address is on
   // probation, likewise. kGreedy: it is, and the connection has sent too much already.
   enum class Answer { kWelcome, kSoon, kLater, kGreedy, kFull, kAddressFull };
@@ -85,7 +91,7 @@ class Connections {
   void Known(std::string_view peer);
 
   // A call of this peer begins, which was let in or not; it ends when the answer goes. A connection
-  // with more than most_calls is cut, and one that makes too many that are not let in, unless one
+  // with more than most_calls (fewer under pressure) is cut, and one that makes too many that are not let in, unless one
   // that was is still open.
   std::shared_ptr<const void> Begin(std::string_view peer, bool let_in);
 
@@ -178,6 +184,8 @@ class Connections {
   // By how much less a connection may do because of its address, which may be on probation only
   // since it came.
   std::size_t PartOf(const Connection& connection) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Whether a connection may have so many calls that have not ended.
+  bool MayHave(std::size_t calls) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Whether one more call that is not let in may be made on it; it counts.
   bool MayCall(Connection& stranger) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Whether one that is unknown has not sent too much.
@@ -199,6 +207,7 @@ class Connections {
   const ConnectionBounds bounds_;
   const runtime::Clock& clock_;
   std::function<void(std::size_t)> on_receiving_;
+  std::function<bool()> under_pressure_;
   mutable Mutex mutex_;
   Table connections_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, Address> addresses_ ABSL_GUARDED_BY(mutex_);

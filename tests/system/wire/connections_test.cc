@@ -143,6 +143,20 @@ TEST_F(ConnectionsTest, CallsThatDoNotEndAsFastAsTheyBeginEndTheirConnection) {
   EXPECT_FALSE(connections_->Begin("ipv4:10.0.0.1:1", true)) << "it is gone";
 }
 
+TEST_F(ConnectionsTest, FewerCallsMayBeginWhenMemoryIsShort) {
+  bool pressure = false;
+  Start({.most_calls = 4, .most_calls_under_pressure = 2});
+  connections_->OnPressure([&] { return pressure; });
+  Come("10.0.0.1", 1);
+  std::vector<std::shared_ptr<const void>> calls;
+  for (int i = 0; i < 3; ++i) calls.push_back(connections_->Begin("ipv4:10.0.0.1:1", true));
+  EXPECT_FALSE(IsCut(0));
+  calls.pop_back();
+  pressure = true;
+  calls.push_back(connections_->Begin("ipv4:10.0.0.1:1", true));
+  EXPECT_TRUE(IsCut(0));
+}
+
 TEST_F(ConnectionsTest, WhoIsRefusedTooOftenIsCut) {
   Start({.unknown_calls = 32, .unknown_calls_per_second = 4});
   Come("10.0.0.1", 1);
