@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import asyncio
 import weakref
-from collections.abc import AsyncIterator, Callable, Coroutine
+from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine
 from typing import Any
 
 import grpc
@@ -119,6 +119,18 @@ class Talking(Reading):
         return self._outbox.writing_since
 
 
+async def drive(program: Program, do: Callable[[Any], Awaitable[Any]]) -> Any:
+    """What a program answers whose commands `do` carries out. It emits nothing."""
+    told = None
+    try:
+        while True:
+            told = await do(program.send(told))
+    except StopIteration as stop:
+        return stop.value
+    finally:
+        program.close()
+
+
 class Signal:
     """Wakes everybody who waits for it."""
 
@@ -221,17 +233,7 @@ class Channel:
 
     def run(self, program: Program) -> Pending:
         """What a program answers that emits nothing."""
-        return Pending(self._run(program))
-
-    async def _run(self, program: Program) -> Any:
-        told = None
-        try:
-            while True:
-                told = await self._do(program.send(told))
-        except StopIteration as stop:
-            return stop.value
-        finally:
-            program.close()
+        return Pending(drive(program, self._do))
 
     async def iterate(self, program: Program) -> AsyncIterator[Any]:
         """What a program emits."""

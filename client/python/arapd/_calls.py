@@ -89,19 +89,19 @@ def ended_by(error: grpc.RpcError) -> Ended:
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class Unary:
+class _Opening:
     path: str
     request: bytes
     timeout: float | None
     metadata: tuple[tuple[str, str], ...]
 
 
-@dataclasses.dataclass(frozen=True, slots=True)
-class Start:
-    path: str
-    request: bytes
-    timeout: float | None
-    metadata: tuple[tuple[str, str], ...]
+class Unary(_Opening):
+    __slots__ = ()
+
+
+class Start(_Opening):
+    __slots__ = ()
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

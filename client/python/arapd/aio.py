@@ -21,7 +21,7 @@ from typing import Any
 
 from . import _replay, _requests, faults, model
 from ._api import ClientMethods
-from ._async_io import Channel, Pending, Signal
+from ._async_io import Channel, Pending, Signal, drive
 from ._calls import CallOptions, Program
 from ._channel import ChannelPlan, ConnectOptions
 from ._session import SessionMethods
@@ -114,21 +114,11 @@ class Stream:
     async def _open(self) -> Stream:
         self._watching = asyncio.create_task(self._watch())
         try:
-            await self._drive(self._core.open())
+            await drive(self._core.open(), self._do)
         except BaseException:
             await self.close()
             raise
         return self
-
-    async def _drive(self, program: Program) -> Any:
-        told = None
-        try:
-            while True:
-                told = await self._do(program.send(told))
-        except StopIteration as stop:
-            return stop.value
-        finally:
-            program.close()
 
     async def _do(self, command: Any) -> Any:
         if isinstance(command, Changed):
@@ -168,14 +158,14 @@ class Stream:
         """As arapd.Stream.send."""
         wanted, points = _requests.targets_of(targets or {}), positions_of(positions)
         found = picks_of(picks)
-        return await self._drive(self._core.send(
-            lambda number: _replay.update(number, wanted, points, found), sequence))
+        return await drive(self._core.send(
+            lambda number: _replay.update(number, wanted, points, found), sequence), self._do)
 
     async def edit(self, remove: Sequence[str] = (), add: Sequence[model.Handle] = (), *,
                    sequence: int | None = None) -> int:
         """As arapd.Stream.edit."""
-        return await self._drive(self._core.send(
-            lambda number: _replay.edit(number, remove, add), sequence))
+        return await drive(self._core.send(
+            lambda number: _replay.edit(number, remove, add), sequence), self._do)
 
     async def ping(self, nonce: int = 0) -> None:
         """Asks for a sign of life."""
@@ -188,7 +178,7 @@ class Stream:
     async def read(self) -> model.Shape | model.UpdateError | model.Pong | model.Resumed | None:
         """As arapd.Stream.read. A read that is given up loses nothing: the next one goes on with it."""
         if self._reading is None:
-            self._reading = asyncio.create_task(self._drive(self._core.read()))
+            self._reading = asyncio.create_task(drive(self._core.read(), self._do))
             # Who gave up may never ask how it ended.
             self._reading.add_done_callback(lambda task: task.cancelled() or task.exception())
         reading = self._reading
