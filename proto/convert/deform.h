@@ -1,6 +1,6 @@
 // Deformation between the model and the wire: handles and targets, options, the quality of shapes and
-// picks; their positions are in positions.h. Only what the model has no form for is checked here: missing anchors, lengths, unknown
-// values, limits of the server.
+// picks; their positions are in positions.h. Only what the model has no form for is checked here:
+// missing anchors, lengths, unknown values, limits of the server.
 #pragma once
 
 #include <cstddef>
