@@ -222,7 +222,8 @@ export function isLost(status: CallStatus): boolean {
     case codes.UNKNOWN:
       return /No status (information )?received|Stream removed/.test(status.details);
     case codes.INTERNAL:
-      return status.details.includes("RST_STREAM");
+      // The second is grpc-js's own, of a message that was written while the connection went down.
+      return /RST_STREAM|^Write error: /.test(status.details);
     default:
       return false;
   }

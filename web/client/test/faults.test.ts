@@ -160,7 +160,7 @@ test("nobody there, too late, and given up", { timeout }, async () => {
     await server.start();
     const client = Client.connect(server.address);
     await client.getServerInfo();
-    server.signal("SIGSTOP");
+    await server.freeze();
     await failure(client.getServerInfo({ timeout: 100 }), "DEADLINE_EXCEEDED");
     client.close();
   } finally {

@@ -125,6 +125,7 @@ const losses = [
   fault(status.UNKNOWN, "Stream removed"),
   fault(status.UNKNOWN, "No status received"),
   fault(status.INTERNAL, "Received RST_STREAM with error code 2"),
+  fault(status.INTERNAL, "Write error: write after end"),
   fault(status.CANCELLED, "stopping"),
 ];
 for (const loss of losses) {

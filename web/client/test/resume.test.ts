@@ -133,7 +133,7 @@ const harms: Record<string, { options: StreamOptions; harm: (server: Server) => 
   frozen: {
     options: { heartbeat: 50, silence: 250 },
     harm: async (server) => {
-      server.signal("SIGSTOP");
+      await server.freeze();
       // The stream's own clock runs in this process: by then it has noticed, and tried again.
       await sleep(750);
       server.signal("SIGCONT");
@@ -248,7 +248,7 @@ test("what is gone is not tried again", { timeout }, () =>
 test("a frozen server is noticed by a stream that does not resume", { timeout }, () =>
   onStage(async ({ server, session }) => {
     const stream = await session.openStream("h", { heartbeat: 50, silence: 250 });
-    server.signal("SIGSTOP");
+    await server.freeze();
     const error = await failure(stream.read(), "DRAINING");
     assert.match(error.message, /Nothing was heard from the server for 0.25 s/);
   }),

@@ -2,10 +2,11 @@
 import { spawn } from "node:child_process";
 import type { ChildProcess } from "node:child_process";
 import { once } from "node:events";
-import { mkdtempSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, readdirSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
+import { setImmediate as nextTurn } from "node:timers/promises";
 
 import { Client } from "@arapd/client";
 
@@ -57,6 +58,23 @@ export class Server {
 
   signal(signal: NodeJS.Signals): void {
     this.#child?.kill(signal);
+  }
+  /** Stops every thread of it, and waits until they stand: a signal alone lets it answer a little longer. */
+  async freeze(): Promise<void> {
+    this.signal("SIGSTOP");
+    const tasks = `/proc/${this.#child!.pid}/task`;
+    const stands = (task: string): boolean => {
+      try {
+        return /\) [TtZX] /.test(readFileSync(`${tasks}/${task}/stat`, "latin1"));
+      } catch {
+        return false; // a thread that has just ended
+      }
+    };
+    const limit = Date.now() + 60_000;
+    while (!readdirSync(tasks).every(stands)) {
+      if (Date.now() > limit) throw new Error("arapd does not stop within a minute");
+      await nextTurn();
+    }
   }
   /** Signals it and waits for its end. */
   async end(signal: NodeJS.Signals): Promise<void> {
