@@ -1,0 +1,2 @@
+// The gateway: REST and WebSocket in front of arapd. docs/web.md is its contract.
+export {};
