@@ -1,0 +1,45 @@
+// How a run goes over time, while it goes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "client/cli/load/results.h"
+
+namespace arap::cli {
+
+// Cuts a run into intervals of a second. When there are more than kMost they are made twice as long and
+// joined by twos, so that a run of any length has between half of kMost and kMost, and memory is bounded:
+// a histogram for each of them and each operation that has any. Times are seconds since the run began;
+// what is before that counts in the first interval. Not for several threads at once: give each its own
+// and Merge them.
+class IntervalLog {
+ public:
+  static constexpr std::size_t kMost = 240;
+
+  // One was due to be sent at `at`.
+  void Offered(Operation operation, double at);
+  // One was answered at `at`, so many microseconds after it was due.
+  void Answered(Operation operation, double at, double micros);
+  void Failed(Operation operation, double at);
+  void Merge(const IntervalLog& other);
+
+  // All of them up to the last that has anything. The last ends at `end`, when the run did.
+  std::vector<Interval> Intervals(double end) const;
+
+ private:
+  struct Cell {
+    std::uint64_t offered = 0, failed = 0;
+    Histogram response;
+  };
+  using Cells = PerOperation<Cell>;
+
+  Cell& At(Operation operation, double at);
+  void Double();
+
+  double length_ = 1;  // of an interval, in seconds
+  std::vector<Cells> cells_;
+};
+
+}  // namespace arap::cli
