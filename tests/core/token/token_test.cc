@@ -3,7 +3,6 @@
 #include "core/token/token.h"
 
 #include <optional>
-#include <regex>
 #include <string>
 #include <vector>
 
@@ -21,6 +20,7 @@ namespace arap {
 namespace {
 
 using testing::HasSubstr;
+using testing::MatchesRegex;
 using testing::Not;
 
 TEST(Sha256, GivesTheDigestsOfTheStandard) {
@@ -56,7 +56,7 @@ TEST(Names, HaveOneRule) {
 TEST(Token, IsMadeOfAnIdAndASecretThatItsEntryProves) {
   const auto token = MakeToken();
   ASSERT_TRUE(token) << token.error().message;
-  EXPECT_TRUE(std::regex_match(token->text, std::regex("arapd_[0-9a-f]{32}_[0-9a-f]{64}")));
+  EXPECT_THAT(token->text, MatchesRegex("arapd_[0-9a-f]{32}_[0-9a-f]{64}"));
   const auto parts = SplitToken(token->text);
   ASSERT_TRUE(parts);
   EXPECT_EQ(parts->id, token->id);
