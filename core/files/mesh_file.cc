@@ -141,17 +141,13 @@ Result<SurfaceMesh> ReadSurfaceMesh(const std::string& path) {
   return std::move(file.mesh);
 }
 
-Result<PlanarMesh> ReadPlanarMesh(const std::string& path, std::vector<Warning>* notes) {
-  TRY(SurfaceFile file, ReadSurfaceFile(path));
-  if (notes != nullptr) {
-    std::move(file.warnings.begin(), file.warnings.end(), std::back_inserter(*notes));
-  }
-  auto fit = FitPlane(std::move(file.mesh));
+Result<PlanarMesh> ReadPlanarMesh(const std::string& path) {
+  TRY(SurfaceMesh mesh, ReadSurfaceMesh(path));
+  auto fit = FitPlane(std::move(mesh));
   if (!fit) {
     fit.error().message = path + ": " + fit.error().message;
     return Fail(std::move(fit.error()));
   }
-  if (notes != nullptr) notes->insert(notes->end(), fit->notes.begin(), fit->notes.end());
   return std::move(fit->mesh);
 }
 

@@ -21,10 +21,9 @@ namespace arap {
 Result<SurfaceFile> ReadSurfaceFile(const std::string& path);
 // Its mesh alone, without the warnings.
 Result<SurfaceMesh> ReadSurfaceMesh(const std::string& path);
-// The same for a mesh in any plane (plane_fit.h), in coordinates of that plane. To `notes`, where there
-// are such, are added the warnings of the reader, and which plane that is when it is not that of x and
-// y. kInvalidOption too for a mesh that is in no plane.
-Result<PlanarMesh> ReadPlanarMesh(const std::string& path, std::vector<Warning>* notes = nullptr);
+// The same for a mesh in any plane (plane_fit.h), in coordinates of that plane. kInvalidOption too for
+// a mesh that is in no plane.
+Result<PlanarMesh> ReadPlanarMesh(const std::string& path);
 
 // Writes rows as they come. Numbers are the shortest that read back exactly. Without a Close that
 // succeeds there is no file. Faults (kInternal) name it. For one thread.

@@ -201,8 +201,8 @@ std::string FormatLayout(const SurfaceFile& file, std::span<const Complex> uv,
     warning.message = fmt::format(
         "faces that the layout cuts across are written as triangles, the first is {} {} ({} in "
         "all)",
-        file.face_lines.empty() ? "face" : "that of line",
-        file.face_lines.empty() ? split.front() : file.face_lines[split.front()], split.size());
+        file.face_lines.empty() ? "face" : "that of line", file.PlaceOf(split.front()),
+        split.size());
   }
   return out;
 }

@@ -92,7 +92,9 @@ Result<PlaneFit> FitPlane(SurfaceMesh mesh) {
   }
 
   if (!std::isfinite(size)) {
-    return Fail(FaultKind::kInvalidOption, "not in a plane: the mesh is too large to be measured");
+    return Fail(
+        Fault(FaultKind::kInvalidOption, "not in a plane: the mesh is too large to be measured")
+            .Field("mesh.vertices"));
   }
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const Point3& point : mesh.vertices) {
@@ -109,13 +111,15 @@ Result<PlaneFit> FitPlane(SurfaceMesh mesh) {
   }
   if (!(worst <= kPlaneTolerance * size)) {
     const Point3& p = mesh.vertices[farthest];
-    return Fail(Fault(FaultKind::kInvalidOption,
-                      fmt::format("not in a plane: vertex {} (from 1) at ({:.6g}, {:.6g}, {:.6g}) "
-                                  "lies {:.3g} off the "
-                                  "plane that fits best, more than {:g} of the size of {:.6g}",
-                                  farthest + 1, p[0], p[1], p[2], worst, kPlaneTolerance, size))
-                    .Element(farthest)
-                    .Detail("distance", worst));
+    return Fail(
+        Fault(FaultKind::kInvalidOption,
+              fmt::format("not in a plane: vertex {} at ({:.6g}, {:.6g}, {:.6g}) lies {:.3g} "
+                          "off the plane that fits best, more than {:g} of the size of "
+                          "{:.6g}",
+                          farthest, p[0], p[1], p[2], worst, kPlaneTolerance, size))
+            .Field("mesh.vertices")
+            .Element(farthest)
+            .Detail("distance", worst));
   }
   fit.notes.push_back(Note(fmt::format(
       "the mesh lies in a plane across ({:.4g}, {:.4g}, {:.4g}): places are counted in it along "

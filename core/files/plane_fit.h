@@ -23,7 +23,7 @@ struct PlaneFit {
 // laid into it, and the second lies across it on the side of the other one. Places are counted from
 // where the origin falls. O(#V); the same on every machine up to rounding.
 //
-// kInvalidOption: the mesh is in no plane; names the vertex that is farthest off.
+// kInvalidOption: the mesh is in no plane; names the vertex that is farthest off, from 0.
 Result<PlaneFit> FitPlane(SurfaceMesh mesh);
 
 }  // namespace arap

@@ -188,13 +188,14 @@ Result<SurfaceFile> Joined(StlSoup soup, const std::string& name) {
   file.corners.reserve(soup.corners.size());
   file.first_corner.reserve(triangles + 1);
   file.face_lines.reserve(soup.lines.size());
+  file.face_numbers.reserve(triangles);
   std::size_t solid = 0, left_out = 0;
   std::string place;  // of the first one that is left out
   for (std::size_t t = 0; t < triangles; ++t) {
     const std::uint32_t* const corner = first.data() + 3 * t;
     if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) {
       if (left_out++ == 0) {
-        place = soup.lines.empty() ? fmt::format("{}: triangle {}", name, t)
+        place = soup.lines.empty() ? fmt::format("{}: face {}", name, t)
                                    : fmt::format("{}:{}", name, soup.lines[t]);
       }
       continue;
@@ -213,7 +214,9 @@ Result<SurfaceFile> Joined(StlSoup soup, const std::string& name) {
       file.corners.push_back(number);
     }
     file.EndFace(soup.lines.empty() ? 0 : soup.lines[t]);
+    file.face_numbers.push_back(static_cast<std::uint32_t>(t));
   }
+  if (left_out == 0) file.face_numbers = {};
   if (file.face_count() == 0) {
     return Fail(
         FaultKind::kInvalidOption,

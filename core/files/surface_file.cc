@@ -60,9 +60,13 @@ std::string_view SurfaceFile::GroupOf(std::size_t face) const {
   return part == nullptr ? std::string_view() : names[part->group];
 }
 
+std::size_t SurfaceFile::PlaceOf(std::size_t face) const {
+  if (!face_lines.empty()) return face_lines[face];
+  return face_numbers.empty() ? face : face_numbers[face];
+}
+
 std::string SurfaceFile::PlaceOf(const std::string& name, std::size_t face) const {
-  return face_lines.empty() ? fmt::format("{}: face {}", name, face)
-                            : fmt::format("{}:{}", name, face_lines[face]);
+  return fmt::format("{}:{}{}", name, face_lines.empty() ? " face " : "", PlaceOf(face));
 }
 
 void SurfaceFile::BeginObject(std::string object) {

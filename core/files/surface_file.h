@@ -33,6 +33,7 @@ struct SurfaceFile {
   std::vector<std::uint32_t> first_corner{0};     // #P + 1, in `corners`
   std::vector<std::uint32_t> first_triangle{0};   // #P + 1
   std::vector<std::uint32_t> face_lines;          // #P, from 1; empty where there are no lines
+  std::vector<std::uint32_t> face_numbers;        // #P; empty where it is 0, 1, 2, …
   std::vector<std::string> names{std::string()};  // the first one stands for none
   std::vector<SurfacePart> parts;                 // by first_face; may begin behind face 0
   // Whether the file tells more of its vertices and faces than is read: colours, normals and the
@@ -51,8 +52,9 @@ struct SurfaceFile {
   std::string_view ObjectOf(std::size_t face) const;
   std::string_view GroupOf(std::size_t face) const;
 
-  // Where a face is in the file `name`: "name:7", or "name: face 7", counted from 0, where there
-  // are no lines.
+  // Where a face is in the file: its line, or its number, counted from 0, where there are no lines.
+  std::size_t PlaceOf(std::size_t face) const;
+  // The same in the file `name`: "name:7", or "name: face 7".
   std::string PlaceOf(const std::string& name, std::size_t face) const;
 
   // From the next face on the file speaks of this object, which need not have a name. What ends

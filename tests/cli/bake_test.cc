@@ -97,8 +97,12 @@ TEST_F(Bake, FaultsOfTheServerNameReasonAndElements) {
   const Outcome outcome = Arapctl({"bake", mesh, track, "--spawn", "--out", Path("c.csv")});
   EXPECT_EQ(outcome.code, 3);
   EXPECT_THAT(outcome.err,
-              HasSubstr("DEGENERATE_TRIANGLE: " + mesh + ": Triangle 2 is degenerate"));
-  EXPECT_THAT(outcome.err, HasSubstr("(triangles = 2"));
+              HasSubstr("DEGENERATE_TRIANGLE: " + mesh + ":6: Triangle at line 6 is degenerate"));
+  EXPECT_THAT(outcome.err, HasSubstr("(lines = 6;"));
+  Put("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 1\nf 1 2 3\nf 1 2 4\n");
+  const Outcome bent = Arapctl({"bake", mesh, track, "--spawn", "--out", Path("c.csv")});
+  EXPECT_THAT(bent.err, HasSubstr(mesh + ": not in a plane: vertex "));
+  EXPECT_THAT(bent.err, HasSubstr("(vertices = "));
 
   const std::string outside = Put("o.json",
                                   "{\"handles\": [{\"rest\": [0, 0]},\n"

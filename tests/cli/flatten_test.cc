@@ -311,7 +311,7 @@ TEST_F(FlattenCommand, FaultsOfTheServerAreInTheNumbersOfTheFiles) {
       Arapctl({"flatten", Path("flat.obj"), "--spawn", "--out", Path("out.obj")});
   EXPECT_EQ(surface.code, 3);
   EXPECT_THAT(surface.err, HasSubstr("DEGENERATE_TRIANGLE: " + Path("flat.obj") +
-                                     ": Triangle at line 6 is degenerate"));
+                                     ":6: Triangle at line 6 is degenerate"));
   EXPECT_THAT(surface.err, HasSubstr("--tolerate-degenerate lets them through"));
 }
 

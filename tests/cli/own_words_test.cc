@@ -10,23 +10,25 @@
 namespace arap::cli {
 namespace {
 
-using testing::ElementsAre;
-
 const Counting kObj{1, {}};
 const Counting kLines{1, [](std::uint32_t triangle) { return std::size_t{100} + triangle; }};
 
-TEST(OwnWords, ObjFilesCountFromOne) {
-  for (const char* path : {"a.obj", "A.OBJ", "b/c.obj.gz"}) EXPECT_EQ(FirstNumberIn(path), 1u);
-  for (const char* path : {"a.off", "a.ply", "obj", "a.obj.off", ".gz"}) {
-    EXPECT_EQ(FirstNumberIn(path), 0u) << path;
-  }
-}
+const Counting kFaces{0, [](std::uint32_t triangle) { return std::size_t{triangle} / 2; }, false};
 
-TEST(OwnWords, WhatIsNoObjFileCountsFromZeroWhateverItIsCalled) {
-  SurfaceFile file;
-  EXPECT_EQ(CountingOf("a.obj", file).first, 0u);
-  file.text = "v 0 0 0\n";
-  EXPECT_EQ(CountingOf("a.obj", file).first, 1u);
+TEST(OwnWords, AFileCountsAsItsFormatDoesWhateverItIsCalled) {
+  SurfaceFile file;  // of a quad and a triangle
+  file.first_corner = {0, 4, 7};
+  file.first_triangle = {0, 2, 3};
+  const auto told = [&file] {
+    return InOwnWords("vertex 3, triangles 1, 2 and 3", CountingOf(file));
+  };
+  EXPECT_EQ(told(), "vertex 3, triangles of faces 0, 1 and 0");
+  file.face_numbers = {4, 6};
+  EXPECT_EQ(told(), "vertex 3, triangles of faces 4, 6 and 0");
+  file.face_lines = {7, 9};
+  EXPECT_EQ(told(), "vertex 3, triangles at lines 7, 9 and 0");
+  file.text = "v 0 0 0\n";  // that of an OBJ file
+  EXPECT_EQ(told(), "vertex 4, triangles at lines 7, 9 and 0");
 }
 
 TEST(OwnWords, NumbersBehindTheWordsForElementsAreTheFiles) {
@@ -153,8 +155,11 @@ TEST_F(FlattenOrigins, FaultsOfTheMeshNameItsFile) {
             "DEGENERATE_TRIANGLE: skirt.obj: Triangle 4 is degenerate; --tolerate-degenerate lets "
             "it. (triangles = 4 6)");
   EXPECT_EQ(Said(degenerate, kLines),
-            "DEGENERATE_TRIANGLE: skirt.obj: Triangle at line 103 is degenerate; "
+            "DEGENERATE_TRIANGLE: skirt.obj:103: Triangle at line 103 is degenerate; "
             "--tolerate-degenerate lets it. (lines = 103 105)");
+  EXPECT_EQ(Said(degenerate, kFaces),
+            "DEGENERATE_TRIANGLE: skirt.obj: face 1: Triangle of face 1 is degenerate; "
+            "--tolerate-degenerate lets it. (faces = 1 2)");
   EXPECT_EQ(Said(Fault(FaultKind::kNonManifoldVertex, "Parts touch in vertex 7 only.")
                      .Field("mesh.triangles")
                      .Element(7)),
@@ -185,8 +190,20 @@ TEST_F(FlattenOrigins, OtherFaultsStayAsTheyAre) {
 }
 
 TEST(OwnWords, WarningsCountAsTheFileToo) {
-  EXPECT_THAT(InOwnWords({Warning{"kind", 1, {3}, "vertex 3 was split"}}, kObj),
-              ElementsAre(Warning{"kind", 1, {3}, "vertex 4 was split"}));
+  const auto said = [](const char* kind, std::vector<std::uint32_t> elements,
+                       const Counting& counting) {
+    Warning warning{kind, elements.size(), std::move(elements), "vertex 3 and triangle 0"};
+    return InOwnWords({std::move(warning)}, counting)[0].message;
+  };
+  EXPECT_EQ(said("kind", {3}, kObj), "vertex 4 and triangle 1");
+  EXPECT_EQ(said("twin_vertices", {3, 5}, kLines),
+            "vertex 4 and triangle at line 100 (vertices 4 6)");
+  EXPECT_EQ(said("dropped_triangles", {3, 5}, kObj), "vertex 4 and triangle 1 (triangles 4 6)");
+  EXPECT_EQ(said("dropped_triangles", {0, 1, 2, 3, 4, 5}, kLines),
+            "vertex 4 and triangle at line 100 (lines 100 101 102 103 104 …)");
+  EXPECT_EQ(said("dropped_triangles", {3, 5}, kFaces),
+            "vertex 3 and triangle of face 0 (faces 1 2)");
+  EXPECT_EQ(said("t_junctions", {}, kObj), "vertex 4 and triangle 1");
 }
 
 }  // namespace

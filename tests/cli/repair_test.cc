@@ -107,6 +107,25 @@ TEST_F(RepairCommand, BordersAreStitchedAndDuplicatesDropped) {
   EXPECT_THAT(err, Not(HasSubstr("t_junctions")));
 }
 
+// A polygon that is there once more as its triangles is a doubled one.
+TEST_F(RepairCommand, AQuadAndItsTrianglesAreTold) {
+  const std::string mesh = Put("sheet.obj",
+                               "v 0 0\nv 8 0\nv 16 0\nv 0 6\nv 8 6\nv 16 6\n"
+                               "f 1 2 5 4\nf 2 3 6 5\nf 1 2 5\nf 1 5 4\n");
+  const Outcome told = Arapctl({"flatten", mesh, "--spawn", "--out", Path("flat.obj")});
+  EXPECT_EQ(told.code, 3);
+  EXPECT_THAT(told.err, HasSubstr("DUPLICATE_TRIANGLE: " + mesh +
+                                  ":7: Triangles at lines 7 and 9 have the same vertices (2 such"));
+  EXPECT_THAT(told.err, HasSubstr("--drop-duplicates"));
+  const Outcome dropped =
+      Arapctl({"flatten", mesh, "--drop-duplicates", "--spawn", "--out", Path("flat.obj")});
+  EXPECT_EQ(dropped.code, 0);
+  EXPECT_THAT(dropped.err, HasSubstr("dropped_triangles: 2 triangles"));
+  EXPECT_THAT(dropped.err, HasSubstr("(lines 9 10)"));
+  EXPECT_THAT(dropped.out, HasSubstr("\npiece 1: 16.000 × 6.000 mm\n"));
+  EXPECT_THAT(Slurp(Path("flat.obj")), HasSubstr("\nf 1/1 2/2 5/5 4/4\nf 2/2 3/3 6/6 5/5\n"));
+}
+
 TEST_F(RepairCommand, PuppetsBendAsOne) {
   ObjText whole, halves;
   whole.AddGrid(10, 2, 0, 100, 20, Flat);

@@ -31,7 +31,7 @@ std::size_t BytesOf(const SurfaceFile& file) {
                       BytesOf(file.mesh.triangles) + BytesOf(file.warnings) +
                       BytesOf(file.corners) + BytesOf(file.first_corner) +
                       BytesOf(file.first_triangle) + BytesOf(file.face_lines) +
-                      BytesOf(file.names) + BytesOf(file.parts);
+                      BytesOf(file.face_numbers) + BytesOf(file.names) + BytesOf(file.parts);
   for (const std::string& name : file.names) bytes += name.capacity();
   return bytes;
 }

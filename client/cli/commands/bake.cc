@@ -67,7 +67,7 @@ class Baker {
                     {stage_.InTrack("add", "the handle", {"edits", number, "add"}),
                      stage_.InTrack("remove", "the name", {"edits", number, "remove"})});
     }
-    PrintWarnings(edited->handle_set.warnings);
+    PrintWarnings(InOwnWords(edited->handle_set.warnings, stage_.counting()));
     return EditTimes{edit.frame,           edit.remove.size(),   edit.add.size(),
                      edited->queue_micros, edited->solve_micros, 0};
   }

@@ -82,7 +82,7 @@ Status Flatten(const FlattenFlags& flags) {
   PrintWarnings(file.warnings);
   const SurfaceMesh& mesh = file.mesh;
   TRY(const FlattenTexts texts, ReadTexts(flags));
-  const Counting counting = CountingOf(flags.surface, file);
+  const Counting counting = CountingOf(file);
   const std::vector<Origin> origins = OriginsOf(flags, texts, counting);
   TRY(const client::FlattenQuery query,
       InOwnWords(ReadQuery(flags, texts, mesh.vertices.size(), mesh.triangles.size()), origins));

@@ -332,7 +332,9 @@ std::vector<Origin> OriginsOf(const FlattenFlags& flags, const FlattenTexts& tex
   const auto grain = [&flags](const std::string& name, std::size_t number) {
     return number < flags.grain.size() ? name + " " + flags.grain[number] : name;
   };
-  const auto counts = [&mesh](std::uint32_t first) { return Counting{first, mesh.line_of}; };
+  const auto counts = [&mesh](std::uint32_t first) {
+    return Counting{first, mesh.face_of, mesh.lines};
+  };
   std::vector<Origin> origins{
       {"mesh", "the surface", mesh,
        place(flags.surface, [](const auto& name, auto) { return name; })},

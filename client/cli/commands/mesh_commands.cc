@@ -12,6 +12,7 @@
 #include "client/cli/report.h"
 #include "core/base/try.h"
 #include "core/files/mesh_file.h"
+#include "core/files/plane_fit.h"
 
 namespace arap::cli {
 namespace {
@@ -46,17 +47,18 @@ std::string MeshText(const client::MeshInfo& mesh) {
 }
 
 Result<Reply> RegisterFile(const RegisterFlags& flags) {
-  std::vector<Warning> notes;
-  TRY(const PlanarMesh mesh, ReadPlanarMesh(flags.file, &notes));
-  PrintWarnings(notes);
-  TRY(const Connection connection, Connection::Open(flags.server));
-  const client::Session session = connection.client().AttachSession(flags.session());
-  const Counting counting{FirstNumberIn(flags.file), {}};
+  TRY(SurfaceFile file, ReadSurfaceFile(flags.file));
+  PrintWarnings(file.warnings);
+  const Counting counting = CountingOf(file);
   const std::vector<Origin> origins{
       {"mesh", "", counting, [&flags](std::string_view) { return flags.file; }}};
+  TRY(const PlaneFit fit, InOwnWords(FitPlane(std::move(file.mesh)), origins));
+  PrintWarnings(fit.notes);
+  TRY(const Connection connection, Connection::Open(flags.server));
+  const client::Session session = connection.client().AttachSession(flags.session());
   TRY(const client::Registration registered,
       InOwnWords(
-          session.RegisterMesh(mesh, flags.energy, flags.part(), flags.call(), flags.repairs),
+          session.RegisterMesh(fit.mesh, flags.energy, flags.part(), flags.call(), flags.repairs),
           origins));
   PrintWarnings(InOwnWords(registered.mesh.report.warnings, counting));
   OrderedJson json = ToJson(registered.mesh);

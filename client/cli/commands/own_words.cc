@@ -5,12 +5,11 @@
 #include <cctype>
 #include <charconv>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-
-#include "core/files/text_file.h"
 
 namespace arap::cli {
 namespace {
@@ -28,8 +27,22 @@ std::optional<std::uint32_t> TakeNumber(std::string_view& text) {
 
 // A number as the file has it.
 std::string Named(std::uint32_t number, bool triangle, const Counting& counting) {
-  if (triangle && counting.line_of) return fmt::to_string(counting.line_of(number));
+  if (triangle && counting.face_of) return fmt::to_string(counting.face_of(number));
   return fmt::to_string(std::uint64_t{number} + counting.first);
+}
+
+std::vector<std::string> Named(std::span<const std::uint32_t> numbers, bool triangles,
+                               const Counting& counting) {
+  std::vector<std::string> names;
+  for (const std::uint32_t number : numbers) names.push_back(Named(number, triangles, counting));
+  return names;
+}
+
+// What these numbers count.
+std::string_view NumbersName(bool triangles, const Counting& counting) {
+  if (!triangles) return "vertices";
+  if (!counting.face_of) return "triangles";
+  return counting.lines ? "lines" : "faces";
 }
 
 // What sentences say before numbers. An edge is "3-7".
@@ -42,7 +55,10 @@ constexpr std::array<std::string_view, 4> kBetween{", and ", ", ", " and ", "-"}
 std::string NumbersOf(std::string_view word, std::string_view& rest, const Counting& counting) {
   const bool triangle = word.starts_with("triangle");
   std::string out;
-  if (triangle && counting.line_of) out = word.ends_with('s') ? "at lines " : "at line ";
+  if (triangle && counting.face_of) {
+    out = fmt::format("{}{} ", counting.lines ? "at line" : "of face",
+                      word.ends_with('s') ? "s" : "");
+  }
   while (const auto number = TakeNumber(rest)) {
     out += Named(*number, triangle, counting);
     for (const std::string_view between : kBetween) {
@@ -57,6 +73,8 @@ std::string NumbersOf(std::string_view word, std::string_view& rest, const Count
   }
   return out;
 }
+
+constexpr std::size_t kShownElements = 5;  // in a warning
 
 // The options of a request that sentences name and that are flags here; no sentence has these words
 // for anything else.
@@ -92,8 +110,8 @@ std::string_view ElementsOf(const Fault& fault) {
     case FaultKind::kTooManyHandles:
       return "handles";
     default:
-      return fault.field.starts_with("mesh.") || fault.field == "energy.rigidity" ? "triangles"
-                                                                                  : "vertices";
+      return fault.field == "mesh.triangles" || fault.field == "energy.rigidity" ? "triangles"
+                                                                                 : "vertices";
   }
 }
 
@@ -106,22 +124,12 @@ void ReplaceAll(const std::string& what, std::string_view with, std::string& tex
 
 }  // namespace
 
-std::uint32_t FirstNumberIn(std::string_view path) {
-  constexpr std::string_view kObj = ".obj", kPacked = ".gz";
-  std::string lower(path);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (lower.ends_with(kPacked)) lower.resize(lower.size() - kPacked.size());
-  // Standard input is mostly OBJ.
-  return lower.ends_with(kObj) || lower == kStandardStream ? 1 : 0;
-}
-
-Counting CountingOf(std::string_view path, const SurfaceFile& file) {
-  // What is no OBJ file counts from 0, whatever it is called.
-  Counting counting{file.text.empty() ? 0 : FirstNumberIn(path), {}};
-  if (file.face_lines.empty()) return counting;
-  counting.line_of = [&file](std::uint32_t triangle) -> std::size_t {
-    return triangle < file.mesh.triangles.size() ? file.face_lines[file.FaceOf(triangle)] : 0;
+Counting CountingOf(const SurfaceFile& file) {
+  Counting counting;
+  counting.first = file.text.empty() ? 0 : 1;
+  counting.lines = !file.face_lines.empty();
+  counting.face_of = [&file](std::uint32_t triangle) -> std::size_t {
+    return triangle < file.first_triangle.back() ? file.PlaceOf(file.FaceOf(triangle)) : 0;
   };
   return counting;
 }
@@ -183,18 +191,21 @@ Fault InOwnWords(Fault fault, const std::vector<Origin>& origins) {
     ReplaceAll(entry, origin->entry, fault.message);
   }
   fault.message = InOwnWords(fault.message, origin->counting);
-  const std::string place = origin->place(rest);
-  if (fault.message.find(place) == std::string::npos) {
-    fault.message = fmt::format("{}: {}", place, fault.message);
-  }
+  std::string place = origin->place(rest);
   if (!fault.elements.empty() && !indexed) {
     const std::string_view what = ElementsOf(fault);
-    const bool lines = what == "triangles" && origin->counting.line_of;
+    const bool triangles = what == "triangles", faces = triangles && origin->counting.face_of;
     const Counting counting = what == "handles" ? Counting() : origin->counting;
-    std::vector<std::string> names;
-    for (const std::uint32_t id : fault.elements) names.push_back(Named(id, lines, counting));
-    fault.details.insert(fault.details.begin(), {std::string(lines ? "lines" : what),
-                                                 fmt::format("{}", fmt::join(names, " "))});
+    const std::vector<std::string> names = Named(fault.elements, triangles, counting);
+    fault.details.insert(fault.details.begin(),
+                         {std::string(what == "handles" ? what : NumbersName(triangles, counting)),
+                          fmt::format("{}", fmt::join(names, " "))});
+    if (faces && origin->field == "mesh") {
+      place += (counting.lines ? ":" : ": face ") + names.front();
+    }
+  }
+  if (fault.message.find(place) == std::string::npos) {
+    fault.message = fmt::format("{}: {}", place, fault.message);
   }
   for (auto& [name, value] : fault.details) {
     if (name == "vertex" || name == "edge" || name == "triangle") {
@@ -207,7 +218,17 @@ Fault InOwnWords(Fault fault, const std::vector<Origin>& origins) {
 }
 
 std::vector<Warning> InOwnWords(std::vector<Warning> warnings, const Counting& counting) {
-  for (Warning& warning : warnings) warning.message = InOwnWords(warning.message, counting);
+  for (Warning& warning : warnings) {
+    warning.message = InOwnWords(warning.message, counting);
+    const bool triangles = warning.kind.ends_with("_triangles");
+    const bool vertices = warning.kind.ends_with("_vertices") || warning.kind == "t_junctions";
+    if (warning.elements.empty() || !(triangles || vertices)) continue;
+    const auto shown =
+        std::span(warning.elements).first(std::min(warning.elements.size(), kShownElements));
+    warning.message += fmt::format(" ({} {}{})", NumbersName(triangles, counting),
+                                   fmt::join(Named(shown, triangles, counting), " "),
+                                   warning.count > shown.size() ? " …" : "");
+  }
   return warnings;
 }
 

@@ -19,17 +19,16 @@ namespace arap::cli {
 
 // How a file counts.
 struct Counting {
-  std::uint32_t first = 0;  // what it calls vertex 0, and triangle 0 where no lines are known
-  // The line of the face that a triangle is of; empty where that is not known. Any number may be
-  // asked for: 0 is no line.
-  std::function<std::size_t(std::uint32_t triangle)> line_of;
+  std::uint32_t first = 0;  // what it calls vertex 0, and triangle 0 where no faces are known
+  // Where the face is that a triangle is of: its line, or its number from 0 in a file without
+  // lines. Empty where that is not known. Any triangle may be asked for: one that is not there has 0.
+  std::function<std::size_t(std::uint32_t triangle)> face_of;
+  bool lines = true;  // what face_of answers
 };
 
-// As the file `path` does: OBJ files count from 1, all others from 0.
-std::uint32_t FirstNumberIn(std::string_view path);
-
-// As a file that was read from there does, with its lines. Refers to it.
-Counting CountingOf(std::string_view path, const SurfaceFile& file);
+// As a file does that was read: OBJ files count from 1, all others from 0. Refers to it; its mesh
+// may be gone.
+Counting CountingOf(const SurfaceFile& file);
 
 // Where a field of a request comes from.
 struct Origin {
@@ -47,14 +46,15 @@ std::size_t EntryOf(std::string_view rest, std::size_t none);
 // "triangles 3, 4 and 5") as the file has them, and options of a request as flags.
 std::string InOwnWords(std::string_view sentence, const Counting& counting);
 // With the place instead of the field, which one of the origins knows; of others as it is. Elements
-// become details, as the file counts.
+// become details, as the file counts; the place of a mesh gets the line, or face, of the first
+// triangle.
 Fault InOwnWords(Fault fault, const std::vector<Origin>& origins);
 template <class Value>
 Result<Value> InOwnWords(Result<Value> result, const std::vector<Origin>& origins) {
   if (!result) return Fail(InOwnWords(std::move(result).error(), origins));
   return result;
 }
-// The same for warnings, which are about the mesh.
+// The same for warnings, which are about the mesh; their first elements are told.
 std::vector<Warning> InOwnWords(std::vector<Warning> warnings, const Counting& counting);
 
 }  // namespace arap::cli

@@ -11,6 +11,7 @@
 #include "client/cli/report.h"
 #include "core/base/try.h"
 #include "core/files/mesh_file.h"
+#include "core/files/plane_fit.h"
 #include "core/files/text_file.h"
 #include "core/files/track_file.h"
 
@@ -52,6 +53,12 @@ void AddStageOptions(CLI::App& command, StageOptions& options, bool out_required
 
 namespace {
 
+// Where a field comes from that is all of one thing.
+Origin Placed(const char* field, std::string place, Counting counting) {
+  return {field, "", std::move(counting),
+          [place = std::move(place)](std::string_view) { return place; }};
+}
+
 // "[3].targets[2].x" as steps.
 std::vector<JsonStep> StepsOf(std::string_view path) {
   std::vector<JsonStep> steps;
@@ -78,29 +85,32 @@ void Stage::Release::operator()(const client::Session* session) const {
 }
 
 Stage::Stage(const StageOptions& options, Connection connection, client::Session session,
-             PlanarMesh mesh, Track track, std::string track_text)
+             SurfaceFile mesh_file, PlanarMesh mesh, Track track, std::string track_text)
     : connection_(std::move(connection)),
       session_(new client::Session(std::move(session))),
       mesh_name_(options.mesh),
       track_name_(options.track),
       mesh_(std::move(mesh)),
       track_(std::move(track)),
+      mesh_file_(std::make_unique<const SurfaceFile>(std::move(mesh_file))),
       track_text_(std::make_unique<const std::string>(std::move(track_text))) {}
 
 Stage::~Stage() = default;
 
 Result<Stage> Stage::Open(const StageOptions& options) {
-  std::vector<Warning> notes;
-  TRY(PlanarMesh mesh, ReadPlanarMesh(options.mesh, &notes));
-  PrintWarnings(notes);
+  TRY(SurfaceFile file, ReadSurfaceFile(options.mesh));
+  PrintWarnings(file.warnings);
+  TRY(PlaneFit fit,
+      InOwnWords(FitPlane(std::move(file.mesh)), {Placed("mesh", options.mesh, CountingOf(file))}));
+  PrintWarnings(fit.notes);
   TRY(std::string text, ReadTextFile(options.track));
   TRY(Track track, ParseTrack(text, options.track));
   PrintWarnings(track.warnings);
   TRY(Connection connection, Connection::Open(options.server));
   const client::CallOptions call{options.timeout.value()};
   TRY(client::Session session, connection.client().CreateSession({}, call));
-  Stage stage(options, std::move(connection), std::move(session), std::move(mesh), std::move(track),
-              std::move(text));
+  Stage stage(options, std::move(connection), std::move(session), std::move(file),
+              std::move(fit.mesh), std::move(track), std::move(text));
 
   EnergyOptions energy = options.energy;
   if (options.as_published) {
@@ -112,23 +122,22 @@ Result<Stage> Stage::Open(const StageOptions& options) {
   TRY(const auto registered,
       InOwnWords(stage.session().RegisterMesh(stage.mesh_, energy, {}, call, options.repairs),
                  origins));
-  PrintWarnings(InOwnWords(registered.mesh.report.warnings, origins.front().counting));
+  PrintWarnings(InOwnWords(registered.mesh.report.warnings, stage.counting()));
   TRY(const auto compiled,
       InOwnWords(stage.session().CompileHandles(kHandleSet, registered.mesh.id,
                                                 ToHandles(stage.track_, options.hard), call),
                  origins));
-  PrintWarnings(InOwnWords(compiled.handle_set.warnings, origins.front().counting));
+  PrintWarnings(InOwnWords(compiled.handle_set.warnings, stage.counting()));
   stage.register_micros_ = registered.solve_micros;
   stage.compile_micros_ = compiled.solve_micros;
   return stage;
 }
 
 std::vector<Origin> Stage::Origins() const {
-  const Counting mesh{FirstNumberIn(mesh_name_), {}};
-  const auto flag = [&mesh](const char* field, std::string name) {
-    return Origin{field, "", mesh, [name = std::move(name)](std::string_view) { return name; }};
+  const auto flag = [counting = counting()](const char* field, const char* name) {
+    return Placed(field, name, counting);
   };
-  return {flag("mesh", mesh_name_),
+  return {Placed("mesh", mesh_name_, counting()),
           InTrack("energy.rigidity", "the rigidity", {"rigidity"}),
           InTrack("handles", "the handle", {"handles"}),
           flag("energy.basis", "--basis"),

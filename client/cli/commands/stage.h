@@ -15,6 +15,7 @@
 #include "client/cli/connect/connection.h"
 #include "core/drawing/film.h"
 #include "core/files/json_text.h"
+#include "core/files/surface_file.h"
 #include "core/files/track.h"
 
 namespace arap::cli {
@@ -53,6 +54,8 @@ class Stage {
   const client::Session& session() const { return *session_; }
   const PlanarMesh& mesh() const { return mesh_; }
   const Track& track() const { return track_; }
+  // How the file of the mesh counts.
+  Counting counting() const { return CountingOf(*mesh_file_); }
   // Where a request to deform comes from: the mesh, and the track with line and column.
   std::vector<Origin> Origins() const;
   // Where a field comes from that is the part of the track to which `steps` lead; entries of the
@@ -65,7 +68,7 @@ class Stage {
 
  private:
   Stage(const StageOptions& options, Connection connection, client::Session session,
-        PlanarMesh mesh, Track track, std::string track_text);
+        SurfaceFile mesh_file, PlanarMesh mesh, Track track, std::string track_text);
 
   // Deletes the session on the server too.
   struct Release {
@@ -77,7 +80,9 @@ class Stage {
   std::string mesh_name_, track_name_;
   PlanarMesh mesh_;
   Track track_;
-  std::unique_ptr<const std::string> track_text_;  // stays where it is when this is moved
+  // They stay where they are when this is moved.
+  std::unique_ptr<const SurfaceFile> mesh_file_;  // without its mesh
+  std::unique_ptr<const std::string> track_text_;
   double register_micros_ = 0;
   double compile_micros_ = 0;
 };

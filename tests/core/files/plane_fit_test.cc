@@ -99,7 +99,9 @@ TEST(PlaneFit, WhatIsInNoPlaneIsRefused) {
   }));
   ASSERT_FALSE(bent);
   EXPECT_EQ(bent.error().kind, FaultKind::kInvalidOption);
-  EXPECT_THAT(bent.error().message, HasSubstr("not in a plane: vertex 27 (from 1) at (80, 20, 1)"));
+  EXPECT_THAT(bent.error().message, HasSubstr("not in a plane: vertex 26 at (80, 20, 1)"));
+  EXPECT_EQ(bent.error().field, "mesh.vertices");
+  EXPECT_THAT(bent.error().elements, ::testing::ElementsAre(26));
   const auto huge = FitPlane(Bar([](double x, double y) { return Point3{1e300 * x, y, x}; }));
   ASSERT_FALSE(huge);
   EXPECT_THAT(huge.error().message, HasSubstr("too large"));

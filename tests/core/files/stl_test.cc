@@ -101,6 +101,14 @@ TEST(Stl, EmptyTrianglesAreLeftOut) {
   ASSERT_EQ(file->warnings.size(), 2u);
   EXPECT_EQ(file->warnings[0].message,
             "a.stl:9: a triangle with two equal corners is left out (1 in all)");
+  EXPECT_EQ(file->PlaceOf("a.stl", 1), "a.stl:16");
+  // Those that stay keep their numbers.
+  const testing::Polygons pair{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}, {{0, 0, 1}, {0, 1, 2}}};
+  const auto bytes = ParseStl(testing::StlBytesOf(pair), "b.stl");
+  ASSERT_TRUE(bytes) << bytes.error().message;
+  EXPECT_EQ(bytes->warnings[0].message,
+            "b.stl: face 0: a triangle with two equal corners is left out (1 in all)");
+  EXPECT_EQ(bytes->PlaceOf("b.stl", 0), "b.stl: face 1");
 }
 
 TEST(Stl, FaultsNameThePlace) {
