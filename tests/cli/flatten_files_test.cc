@@ -3,11 +3,14 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <regex>
 #include <sstream>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
+#include "core/files/text_file.h"
 #include "tests/cli/run.h"
 
 namespace arap::cli {
@@ -21,8 +24,15 @@ constexpr double kRadius = 20, kStep = 10;
 // The length of the tube around, along its chords.
 double Width() { return kColumns * 2 * kRadius * std::sin(std::numbers::pi / (4 * kColumns)); }
 
-// A quarter of a tube of quads, kRows of kStep high, with everything that modelling programs add.
-std::string Tube() {
+// The corners of a quad, from 1.
+std::array<int, 4> QuadAt(int row, int column) {
+  const int a = row * (kColumns + 1) + column + 1;
+  return {a, a + 1, a + kColumns + 2, a + kColumns + 1};
+}
+
+// The vertices with colours, texture coordinates and normals of a quarter of a tube, kRows of kStep
+// high.
+std::string TubeHead() {
   std::string text = "# tube\nmtllib tube.mtl\no Tube\n";
   std::string normals;
   for (int row = 0; row <= kRows; ++row) {
@@ -33,15 +43,71 @@ std::string Tube() {
       normals += fmt::format("vn {:.4f} {:.4f} 0\n", std::cos(angle), std::sin(angle));
     }
   }
-  text += "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n" + normals + "s 1\n";
+  return text + "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n" + normals + "s 1\n";
+}
+
+// It with quads, as modelling programs write them.
+std::string Tube() {
+  std::string text = TubeHead();
   for (int row = 0; row < kRows; ++row) {
     text += fmt::format("g row_{}\nusemtl wool  # {}\n", row, row);
     for (int column = 0; column < kColumns; ++column) {
-      const int a = row * (kColumns + 1) + column + 1, b = a + 1, c = b + kColumns + 1, d = c - 1;
+      const auto [a, b, c, d] = QuadAt(row, column);
       text += fmt::format("f {0}/1/{0} {1}/2/{1} {2}/3/{2} {3}/4/{3}\n", a, b, c, d);
     }
   }
   return text;
+}
+
+// It with faces of every form, and all that may stand between them.
+std::string TubeOfEverything(const std::string& end) {
+  constexpr int kVertices = (kColumns + 1) * (kRows + 1);
+  constexpr const char* kForms[] = {
+      "f {0}/1/{0} {1}/2/{1} {2}/3/{2} {3}/4/{3}\n",
+      "f {0} {1} {2}\n# f 1 2 3\n\nf {0} {2} {3} # half\n",
+      "g one two\nf {0}//{0} {1}//{1} {2}//{2} {3}//{3}\nusemtl a b.mtl  # vt 1 2\n",
+      "f {4}/-1/{4} {5}/-2/{5} {6}/-3/{6} {7}/-4/{7}  \n",
+      "  f {0}/1 {1}/2 \\\n\t{2}/3 \\\n{3}/4\ns off\n",
+      "f\t{0} {1}\t{2} {3} # 1/2\no C:\\parts\\\nl 1 2 3\np 1\nvn 0 0 1\n",
+  };
+  std::string text = TubeHead() + "hair 7 \\\n8\n";
+  std::size_t number = 0;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      const auto [a, b, c, d] = QuadAt(row, column);
+      text +=
+          fmt::format(fmt::runtime(kForms[number++ % std::size(kForms)]), a, b, c, d,
+                      a - kVertices - 1, b - kVertices - 1, c - kVertices - 1, d - kVertices - 1);
+    }
+  }
+  text += "# end";
+  std::string ended;
+  for (const char c : text) c == '\n' ? ended += end : ended += c;
+  return ended;
+}
+
+// The text without texture coordinates: no lines of them, and corners without their index. All else
+// is as it was, byte by byte. For LF and CRLF.
+std::string WithoutLayout(const std::string& text) {
+  static const std::regex kCorner(R"((-?\d+)(/-?\d*)?(/(-?\d+))?)");
+  std::string rest;
+  bool face = false, joined = false;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size() - 1) + 1;
+    const std::string line = text.substr(at, end - at);
+    at = end;
+    if (line.starts_with("vt ")) continue;
+    const std::size_t first = line.find_first_not_of(" \t");
+    if (!joined) face = first != std::string::npos && line[first] == 'f';
+    joined = line.ends_with("\\\n") || line.ends_with("\\\r\n");
+    if (!face) {
+      rest += line;
+      continue;
+    }
+    const std::size_t comment = std::min(line.find('#'), line.size());
+    rest += std::regex_replace(line.substr(0, comment), kCorner, "$1//$4") + line.substr(comment);
+  }
+  return rest;
 }
 
 struct Layout {
@@ -64,7 +130,8 @@ Layout Split(const std::string& text) {
     if (word == "f") {
       other = word;
       while (words >> word) {
-        other += ' ' + word.substr(0, word.find('/')) + word.substr(word.rfind('/'));
+        const std::size_t last = std::min(word.rfind('/'), word.size());
+        other += ' ' + word.substr(0, word.find('/')) + word.substr(last);
       }
     }
     layout.others.push_back(other.empty() ? line : other);
@@ -113,6 +180,61 @@ TEST_F(FlattenFiles, KeepsAllOfTheFileButTextureCoordinates) {
   EXPECT_EQ(SidesOf(unit)[1], 1);
   for (const auto& [u, v] : unit.uv) {
     EXPECT_TRUE(u >= 0 && u <= 1 && v >= 0 && v <= 1) << u << " " << v;
+  }
+}
+
+TEST_F(FlattenFiles, TheRoundTripChangesTextureCoordinatesAlone) {
+  for (const char* end : {"\n", "\r\n"}) {
+    for (const char* mark : {"", "\xef\xbb\xbf"}) {
+      const std::string before = mark + TubeOfEverything(end);
+      Put("tube.obj", before);
+      const Outcome outcome = Flatten("tube.obj");
+      ASSERT_EQ(outcome.code, 0) << outcome.err;
+      EXPECT_THAT(outcome.err, HasSubstr("unknown_statements"));
+      const std::string after = ReadBytes(Path("flat.obj")).value();  // with its mark
+      EXPECT_EQ(WithoutLayout(after), WithoutLayout(before));
+      const Layout layout = Split(after);
+      ASSERT_EQ(layout.uv.size(), static_cast<std::size_t>((kColumns + 1) * (kRows + 1)));
+      EXPECT_NEAR(SidesOf(layout)[0], kRows * kStep, 1e-6);
+      EXPECT_NEAR(SidesOf(layout)[1], Width(), 1e-6);
+      // Once more, and nothing changes.
+      Put("tube.obj", after);
+      ASSERT_EQ(Flatten("tube.obj").code, 0);
+      EXPECT_EQ(ReadBytes(Path("flat.obj")).value(), after);
+    }
+  }
+}
+
+// One surface, whatever wrote it: the answers are the same byte by byte.
+TEST_F(FlattenFiles, TheSameSurfaceHasTheSameAnswer) {
+  std::string off = fmt::format("OFF{} {}\n", (kColumns + 1) * (kRows + 1), kColumns * kRows);
+  std::istringstream lines(TubeHead());
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("v ")) off += line.substr(2) + "\r";
+  }
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      const auto [a, b, c, d] = QuadAt(row, column);
+      off += fmt::format("4\t{} {} {} {} 0.5 1 0 # quad\r", a - 1, b - 1, c - 1, d - 1);
+    }
+  }
+  std::string expected;
+  for (const auto& [name, text] : {std::pair("a.obj", Tube()),
+                                   {"b.obj", TubeOfEverything("\n")},
+                                   {"c.obj", TubeOfEverything("\r\n")},
+                                   {"d.off", off}}) {
+    Put(name, text);
+    const Outcome outcome = Flatten(name, {"--report", Path("r.json"), "--sigma"});
+    ASSERT_EQ(outcome.code, 0) << name << outcome.err;
+    const auto report = nlohmann::json::parse(Slurp(Path("r.json")));
+    std::string answer = report["distortion"].dump() + report["singular_values"].dump();
+    std::istringstream flat(Slurp(Path("flat.obj")));
+    for (std::string line; std::getline(flat, line);) {
+      if (line.ends_with('\r')) line.pop_back();
+      if (line.starts_with("vt ")) answer += "\n" + line;
+    }
+    if (expected.empty()) expected = answer;
+    EXPECT_EQ(answer, expected) << name;
   }
 }
 

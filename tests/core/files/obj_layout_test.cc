@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "core/files/obj.h"
+#include "core/files/off.h"
 
 namespace arap {
 namespace {
@@ -110,6 +111,26 @@ TEST(ObjLayoutCuts, APolygonWhoseCornerLiesElsewhereIsKept) {
             "v 0 0\nv 1 0\nv 1 1\nv 0 1\nvn 0 0 1\ng a\nvt 0 0.5\nvt 1 0.5\nvt 2 0.5\nvt 3 0.5\n"
             "vt -1 -1\nf 1/1/1 2/5/1 3/3/1 -1/4/1 # q\n");
   EXPECT_THAT(told, IsEmpty());
+}
+
+// Of a file in another format, of which nothing but the surface is known.
+TEST(ObjLayoutOff, PolygonsStayPolygonsUnlessTheyAreCutAcross) {
+  const auto file = ParseOff(
+      "OFF 5 3\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 0 0.5\n4 0 1 2 3 0.5 1 0\n3 1 4 2\n4 3 2 1 0\n", "a");
+  ASSERT_TRUE(file) << file.error().message;
+  std::vector<Complex> uv{{0, 0}, {1, 0}, {1, 1}, {0, 1}, {2, 0}, {-1, -1}};
+  std::vector<Triangle> corner_uv = file->mesh.triangles;
+  corner_uv[1][0] = 5;  // of the first quad
+  corner_uv[2][1] = 5;  // of the triangle
+  std::vector<Warning> warnings;
+  const std::string out = FormatLayout(*file, uv, corner_uv, warnings);
+  EXPECT_EQ(
+      out,
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0.5\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvt 2 0\n"
+      "vt -1 -1\nf 1/1 2/2 3/3\nf 1/6 3/3 4/4\nf 2/2 5/6 3/3\nf 4/4 3/3 2/2 1/1\n");
+  EXPECT_EQ(ParseObj(out, "b")->mesh, file->mesh);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_THAT(warnings[0].message, ::testing::HasSubstr("line 7 (1 in all)"));
 }
 
 TEST(InUnitSquare, ScalesAllAlike) {
