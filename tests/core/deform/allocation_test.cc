@@ -11,14 +11,15 @@
 namespace {
 std::atomic<long> allocations{0};
 std::atomic<long> refused{-1};  // the allocation that is not granted
-
-bool Granted() { return ++allocations != refused; }
 }  // namespace
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define ARAP_COUNTS_MALLOC 0  // sanitizers own malloc
 #else
 #define ARAP_COUNTS_MALLOC 1
+namespace {
+bool Granted() { return ++allocations != refused; }
+}  // namespace
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
