@@ -44,14 +44,14 @@ class KnownSizes:
         self._sets.pop(set_id, None)
 
     def of_mesh(self, mesh_id: str | None) -> MeshSize | None:
-        return self._meshes.get(mesh_id)
+        return None if mesh_id is None else self._meshes.get(mesh_id)
 
     def of_set(self, set_id: str) -> MeshSize | None:
-        return self._meshes.get(self._sets.get(set_id))
+        return self.of_mesh(self._sets.get(set_id))
 
 
 def seconds(duration: Any) -> float:
-    return duration.seconds + 1e-9 * duration.nanos
+    return float(duration.seconds + 1e-9 * duration.nanos)
 
 
 def warnings(messages: Iterable[Any]) -> tuple[model.Warning, ...]:
@@ -63,7 +63,8 @@ def mesh_info(message: Any, mesh_id: str | None, size: MeshSize | None) -> model
     check.name(message.mesh_id, mesh_id, "mesh")
     if size is not None:
         check.count(message.vertex_count, size.vertices, "vertices")
-        check.count(message.triangle_count, size.triangles, "triangles")
+        if size.triangles is not None:
+            check.count(message.triangle_count, size.triangles, "triangles")
     check.finite((message.area, message.diagonal), "a mesh")
     repair = message.repair
     return model.MeshInfo(

@@ -5,17 +5,17 @@ from __future__ import annotations
 
 import asyncio
 import weakref
-from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine
+from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Generator
 from typing import Any
 
 import grpc
 import grpc.aio
 
 from . import faults
-from ._calls import Emit, Ended, Pause, Program, Read, Start, Unary, ended_by
+from ._calls import Emit, Ended, Pause, Program, Read, Start, T, Unary, ended_by
 from ._channel import ChannelPlan
 from ._replay import Said
-from ._stream_parts import Begin, Outbox
+from ._stream_parts import Begin, Outbox, Talker
 
 _CANCELLED = Ended(grpc.StatusCode.CANCELLED, "The call was cancelled.")
 
@@ -43,7 +43,8 @@ class Reading:
         if error is None:
             data = reading.result()
             if data is not grpc.aio.EOF:
-                return data
+                answer: bytes = data
+                return answer
             self.ended = Ended(await self._rpc.code(), await self._rpc.details() or "")
         elif isinstance(error, grpc.RpcError):
             self.ended = ended_by(error)
@@ -67,7 +68,7 @@ class Reading:
         self._rpc.cancel()
 
 
-class Talking(Reading):
+class Talking(Reading, Talker):
     """The call of a stream."""
 
     def __init__(self, rpc: Any):
@@ -90,7 +91,8 @@ class Talking(Reading):
                     self._outbox.taken()
                     self._changed.notify()
                 elif self._outbox.end_wanted:
-                    return await self._rpc.done_writing()
+                    await self._rpc.done_writing()
+                    return
                 else:
                     await self._changed.wait()
         except (grpc.RpcError, asyncio.InvalidStateError, asyncio.CancelledError):
@@ -110,23 +112,16 @@ class Talking(Reading):
             await self._changed.wait()
         return not self._outbox.over
 
-    @property
-    def is_clear(self) -> bool:
-        return self._outbox.is_clear
 
-    @property
-    def writing_since(self) -> float | None:
-        return self._outbox.writing_since
-
-
-async def drive(program: Program, do: Callable[[Any], Awaitable[Any]]) -> Any:
+async def drive(program: Program[T], do: Callable[[Any], Awaitable[Any]]) -> T:
     """What a program answers whose commands `do` carries out. It emits nothing."""
     told = None
     try:
         while True:
             told = await do(program.send(told))
     except StopIteration as stop:
-        return stop.value
+        answer: T = stop.value
+        return answer
     finally:
         program.close()
 
@@ -148,10 +143,10 @@ class Signal:
             pass
 
 
-class Pending(Coroutine):
+class Pending(Coroutine[Any, Any, T]):
     """A coroutine whose answer may be entered: `async with client.create_session() as session`."""
 
-    def __init__(self, coroutine: Coroutine):
+    def __init__(self, coroutine: Coroutine[Any, Any, T]):
         self._coroutine = coroutine
         self._entered: Any = None
 
@@ -164,12 +159,15 @@ class Pending(Coroutine):
     def close(self) -> None:
         self._coroutine.close()
 
-    def __await__(self) -> Any:
+    def __await__(self) -> Generator[Any, Any, T]:
         return self._coroutine.__await__()
 
-    async def __aenter__(self) -> Any:
-        self._entered = await self
-        return await self._entered.__aenter__()
+    async def __aenter__(self) -> T:
+        answer = await self
+        entered: Any = answer
+        self._entered = entered
+        await entered.__aenter__()
+        return answer
 
     async def __aexit__(self, *error: Any) -> None:
         await self._entered.__aexit__(*error)
@@ -204,7 +202,7 @@ class Channel:
     def begin(self, command: Begin) -> Talking:
         return Talking(self._call(self._grpc.stream_stream(command.path), command))
 
-    def _call(self, method: Callable, command: Any, *request: Any) -> Any:
+    def _call(self, method: Callable[..., Any], command: Any, *request: Any) -> Any:
         if self._closed:
             raise faults.cancelled("The client was closed.")
         rpc = method(*request, timeout=command.timeout,
@@ -231,11 +229,11 @@ class Channel:
         assert isinstance(command, Read)
         return await command.handle.read_within(command.limit)
 
-    def run(self, program: Program) -> Pending:
+    def run(self, program: Program[T]) -> Pending[T]:
         """What a program answers that emits nothing."""
         return Pending(drive(program, self._do))
 
-    async def iterate(self, program: Program) -> AsyncIterator[Any]:
+    async def iterate(self, program: Program[T]) -> AsyncIterator[Any]:
         """What a program emits."""
         told = None
         try:

@@ -24,7 +24,7 @@ import re
 import secrets
 import time
 from collections.abc import Callable, Generator
-from typing import Any
+from typing import Any, TypeVar
 
 import grpc
 from google.protobuf.message import DecodeError
@@ -40,7 +40,9 @@ _FOR_EVER = 365 * 24 * 3600.0
 _LONGEST_PAUSE = 2.0
 _TRACEPARENT = re.compile(r"00-[0-9a-f]{32}-[0-9a-f]{16}-[0-9a-f]{2}")
 
-Program = Generator[Any, Any, Any]
+T = TypeVar("T")
+# Answers a T.
+Program = Generator[Any, Any, T]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -180,8 +182,8 @@ def is_refused(error: ArapError) -> bool:
 
 
 def attempts(method: Method, options: CallOptions, session_id: str,
-             attempt: Callable[[tuple, float | None], Program],
-             heard: Callable[[], bool] = lambda: False) -> Program:
+             attempt: Callable[[tuple[tuple[str, str], ...], float | None], Program[Ended]],
+             heard: Callable[[], bool] = lambda: False) -> Program[Ended | None]:
     """Makes a call, and again as the method allows. `attempt` makes it once and answers an Ended;
     `heard` says whether a piece of an answer came: then retry_within counts anew. Answers the Ended
     of a good attempt, or None where a removal is known to be done."""
@@ -218,12 +220,16 @@ def parse(message_class: Any, data: bytes) -> Any:
 
 
 def call(method: Method, request: Any, answer_class: Any, options: CallOptions,
-         session_id: str = "") -> Program:
+         session_id: str = "") -> Program[Any]:
     """One unary call; answers its message, an empty one for a removal that is known to be done."""
     data = request.SerializeToString()
 
-    def attempt(metadata, timeout):
-        return (yield Unary(method.path, data, timeout, metadata))
+    def attempt(metadata: tuple[tuple[str, str], ...], timeout: float | None) -> Program[Ended]:
+        ended: Ended = yield Unary(method.path, data, timeout, metadata)
+        return ended
 
     ended = yield from attempts(method, options, session_id, attempt)
-    return answer_class() if ended is None else parse(answer_class, ended.answer)
+    if ended is None:
+        return answer_class()
+    assert ended.answer is not None
+    return parse(answer_class, ended.answer)

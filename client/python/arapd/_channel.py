@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
+from typing import Any
 
 import grpc
 
@@ -87,7 +88,7 @@ class ChannelPlan:
             self.credentials = grpc.ssl_channel_credentials(
                 _read(options.root_certificates, "root_certificates"), _read(options.key, "key"),
                 _read(options.certificate, "certificate"))
-        self.arguments = [
+        self.arguments: list[tuple[str, Any]] = [
             ("grpc.max_receive_message_length", MAX_MESSAGE_BYTES),
             ("grpc.max_send_message_length", MAX_MESSAGE_BYTES),
             # A server that is back is found soon: by default pauses grow to two minutes.
@@ -107,7 +108,7 @@ class ChannelPlan:
             identity.append(("x-arapd-owner", options.user))
         self.identity = tuple(identity)  # sent with every call
 
-    def make(self, module):
+    def make(self, module: Any) -> Any:
         """A channel of `module`, grpc or grpc.aio."""
         if self.credentials is None:
             return module.insecure_channel(self.address, self.arguments)

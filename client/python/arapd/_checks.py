@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _wire
 from .faults import refuse
@@ -45,7 +46,7 @@ def finite(numbers: Iterable[float], what: str) -> None:
         refuse(f"a number of {what} that is not finite.")
 
 
-def run(message: Any, field: str, what: str) -> np.ndarray:
+def run(message: Any, field: str, what: str) -> NDArray[Any]:
     """A run of numbers."""
     try:
         return _wire.numbers(message, field)
@@ -53,25 +54,25 @@ def run(message: Any, field: str, what: str) -> np.ndarray:
         refuse(f"{what} in a run of odd length.")
 
 
-def groups(numbers: np.ndarray, columns: int, what: str) -> np.ndarray:
+def groups(numbers: NDArray[Any], columns: int, what: str) -> NDArray[Any]:
     if numbers.size % columns:
         refuse(f"{what} in a run of odd length.")
     return numbers.reshape(-1, columns)
 
 
-def points(message: Any, field: str, columns: int, what: str) -> np.ndarray:
+def points(message: Any, field: str, columns: int, what: str) -> NDArray[Any]:
     """Finite numbers in groups."""
     return finite_rows(groups(run(message, field, what), columns, what), what)
 
 
-def finite_rows(array: np.ndarray, what: str) -> np.ndarray:
+def finite_rows(array: NDArray[Any], what: str) -> NDArray[Any]:
     if not np.isfinite(array).all():
         at = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
         refuse(f"{what} {at} that is not finite.")
     return array
 
 
-def indices(values: Any, limit: int | None, what: str) -> np.ndarray:
+def indices(values: Any, limit: int | None, what: str) -> NDArray[Any]:
     """Indices below a limit, if that is known."""
     array = np.fromiter(values, np.uint32, len(values))
     array.flags.writeable = False
@@ -80,7 +81,7 @@ def indices(values: Any, limit: int | None, what: str) -> np.ndarray:
     return array
 
 
-def order(array: np.ndarray) -> None:
+def order(array: NDArray[Any]) -> None:
     """Every triangle once."""
     if not np.array_equal(np.sort(array), np.arange(array.size)):
         refuse("a drawing order that does not have every triangle once.")

@@ -6,10 +6,8 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-_plain = dataclasses.dataclass(frozen=True, slots=True)
 
-
-@_plain
+@dataclasses.dataclass(frozen=True, slots=True)
 class Handle:
     """A place of a mesh that the caller moves. Give one of vertex, position, and triangle with bary."""
 
@@ -27,7 +25,7 @@ class Handle:
     depth_falloff: float = 0  # rest distance over which the depth fades to 0; 0: constant
 
 
-@_plain
+@dataclasses.dataclass(frozen=True, slots=True)
 class Target:
     """Where a handle should go. Where targets are asked for, (x, y) and a complex number do too."""
 
@@ -40,7 +38,7 @@ class Target:
 Targets = Mapping[str, "Target | Sequence[float] | complex"]
 
 
-@_plain
+@dataclasses.dataclass(frozen=True, slots=True)
 class Energy:
     """How a mesh becomes an energy. None: as the server thinks best."""
 
@@ -49,7 +47,7 @@ class Energy:
     rigidity: Any = None  # #F numbers above 0 and up to 1e6; None: 1 everywhere
 
 
-@_plain
+@dataclasses.dataclass(frozen=True, slots=True)
 class Repair:
     """What is mended of a mesh first; answers speak of the vertices and triangles that were sent."""
 
@@ -59,7 +57,7 @@ class Repair:
     tolerance: float | None = None  # a length; None: a millionth of the diagonal
 
 
-@_plain
+@dataclasses.dataclass(frozen=True, slots=True)
 class ShapeOptions:
     """How to deform, and how to answer."""
 
@@ -78,7 +76,7 @@ class ShapeOptions:
     vertex_subset: Any = None  # positions of these vertices alone, in this order
 
 
-@_plain
+@dataclasses.dataclass(frozen=True, slots=True)
 class Pin:
     """A vertex held at a place of the layout."""
 
@@ -88,7 +86,7 @@ class Pin:
     weight: float = 0  # 0: exactly; else 1e-9 to 1e9 on the squared distance
 
 
-@_plain
+@dataclasses.dataclass(frozen=True, slots=True)
 class GrainLine:
     """The direction from one vertex to another of the same chart, from the u axis."""
 
@@ -97,7 +95,7 @@ class GrainLine:
     angle_degrees: float = 0
 
 
-@_plain
+@dataclasses.dataclass(frozen=True, slots=True)
 class DrawingOptions:
     """A layout as a file at true size. Lengths are millimetres."""
 
@@ -114,7 +112,7 @@ class DrawingOptions:
     margin: float | None = None  # what the printer does not reach; None: 10
 
 
-@_plain
+@dataclasses.dataclass(frozen=True, slots=True)
 class FlattenOptions:
     """How to flatten, and how to answer. None: what docs/protocol.md says of the method."""
 

@@ -6,6 +6,7 @@ import dataclasses
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _checks as check
 from . import _wire
@@ -43,8 +44,8 @@ def _drawing(message: Any) -> model.Drawing:
                          warnings(message.warnings))
 
 
-def _check_corners(corners: np.ndarray, triangles: np.ndarray, source: np.ndarray,
-                   welded: np.ndarray) -> None:
+def _check_corners(corners: NDArray[Any], triangles: NDArray[Any], source: NDArray[Any],
+                   welded: NDArray[Any]) -> None:
     """Each corner is a copy of the vertex that it has in the mesh, or of who stands for that."""
     wanted = welded[triangles] if welded.size else triangles
     wrong = np.argwhere(source[corners] != wanted)
@@ -53,7 +54,7 @@ def _check_corners(corners: np.ndarray, triangles: np.ndarray, source: np.ndarra
                "vertex.")
 
 
-def flattening(message: Any, triangles: np.ndarray, vertex_count: int,
+def flattening(message: Any, triangles: NDArray[Any], vertex_count: int,
                options: model.FlattenOptions) -> model.Flattening:
     """A layout of that mesh with all that was asked for."""
     wanted, other = ("uv64", "uv") if options.float64 else ("uv", "uv64")

@@ -21,7 +21,7 @@ _Layout = _wire.message("FlattenResponse")
 _MOST_BYTES = 2**31 - 1  # more does not fit a message
 
 
-def track(request: Any, frames: int, question: _shapes.Question, call: CallOptions) -> Program:
+def track(request: Any, frames: int, question: _shapes.Question, call: CallOptions) -> Program[Any]:
     """Emits the shapes of a track, each checked as it comes."""
     headers = Headers(request.session_id, call.traceparent)
     timeout = Deadline(call, _TRACK.limit).timeout()
@@ -57,12 +57,12 @@ def track(request: Any, frames: int, question: _shapes.Question, call: CallOptio
 
 
 def _pieces(method: Method, request: Callable[[], bytes], call: CallOptions, session_id: str,
-            take: Callable[[bytes], Any], what: str) -> Program:
+            take: Callable[[bytes], Any], what: str) -> Program[Any]:
     """Reads an answer in pieces to its end, from `request()` anew where a call was lost. What `take`
     makes of a piece is emitted unless it is None."""
     heard = False
 
-    def attempt(metadata, timeout):
+    def attempt(metadata: tuple[tuple[str, str], ...], timeout: float | None) -> Program[Ended]:
         nonlocal heard
         heard = False
         handle = yield Start(method.path, request(), timeout, metadata)
@@ -80,16 +80,17 @@ def _pieces(method: Method, request: Callable[[], bytes], call: CallOptions, ses
         if handle.overdue:
             return Ended(grpc.StatusCode.DEADLINE_EXCEEDED,
                          f"The server has told nothing of {what} for {_calls.QUICK_LIMIT:g} s.")
-        return handle.ended
+        ended: Ended = handle.ended
+        return ended
 
     yield from _calls.attempts(method, call, session_id, attempt, lambda: heard)
 
 
-def watch_job(request: Any, call: CallOptions) -> Program:
+def watch_job(request: Any, call: CallOptions) -> Program[Any]:
     """Emits how a job stands whenever that is told, and answers how it ended."""
     last: list[model.Job] = []
 
-    def take(data):
+    def take(data: bytes) -> model.Job:
         last[:] = [_layouts.job(_calls.parse(_JobAnswer, data).job, request.job_id)]
         return last[0]
 
@@ -99,16 +100,16 @@ def watch_job(request: Any, call: CallOptions) -> Program:
     return last[0]
 
 
-def job_result(request: Any, call: CallOptions) -> Program:
+def job_result(request: Any, call: CallOptions) -> Program[Any]:
     """Answers the FlattenResponse of a job that is done, of any size."""
     data = bytearray()
     total: int | None = None
 
     def rest() -> bytes:
         request.offset = len(data)
-        return request.SerializeToString()
+        return _wire.serialized(request)
 
-    def take(piece_data):
+    def take(piece_data: bytes) -> None:
         nonlocal total
         piece = _calls.parse(_Piece, piece_data)
         if (piece.offset != len(data) or piece.total_bytes > _MOST_BYTES
@@ -124,7 +125,7 @@ def job_result(request: Any, call: CallOptions) -> Program:
     return _calls.parse(_Layout, bytes(data))
 
 
-def last_of(program: Program) -> Program:
+def last_of(program: Program[Any]) -> Program[Any]:
     """A program that emits, for callers who want only its answer."""
     told = None
     try:

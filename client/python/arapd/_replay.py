@@ -62,7 +62,7 @@ def ping(nonce: int) -> bytes:
     request = _Request()
     request.ping.nonce = nonce
     request.ping.SetInParent()
-    return request.SerializeToString()
+    return _wire.serialized(request)
 
 
 class _Pose:
@@ -168,4 +168,4 @@ def opening(session_id: str, handle_set_id: str, every: bool, options: Any) -> b
     out.delivery = _requests.choice("Delivery", "DELIVERY", "every" if every else "latest",
                                     "delivery")
     _requests.set_shape_options(out.options, options)
-    return request.SerializeToString()
+    return _wire.serialized(request)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from . import _wire
 from .model import (DrawingOptions, Energy, FlattenOptions, Handle, Repair, ShapeOptions, Target,
@@ -31,7 +31,7 @@ def choice(enumeration: str, prefix: str, name: str | None, what: str) -> int:
     return number
 
 
-def point_array(points: ArrayLike, columns: int, name: str, dtype: str = "<f8") -> np.ndarray:
+def point_array(points: ArrayLike, columns: int, name: str, dtype: str = "<f8") -> NDArray[Any]:
     """`points` as an array of so many columns, or ValueError; complex numbers are two."""
     array = np.asarray(points)
     if columns == 2 and np.iscomplexobj(array):
@@ -43,11 +43,11 @@ def point_array(points: ArrayLike, columns: int, name: str, dtype: str = "<f8") 
     return np.ascontiguousarray(array, dtype)
 
 
-def triangle_array(triangles: Any, name: str = "triangles") -> np.ndarray:
+def triangle_array(triangles: Any, name: str = "triangles") -> NDArray[Any]:
     return _indices(triangles, 3, name)
 
 
-def _indices(values: Any, columns: int, name: str) -> np.ndarray:
+def _indices(values: Any, columns: int, name: str) -> NDArray[Any]:
     array = np.asarray(values)
     if array.size and not np.issubdtype(array.dtype, np.integer):
         raise TypeError(f"{name} holds {array.dtype}; it has to hold integers.")
@@ -139,7 +139,8 @@ def set_shape_options(out: Any, options: ShapeOptions) -> None:
         out.vertex_subset.extend(subset.ravel().tolist())
 
 
-def track_frames(handle_ids: Sequence[str], positions: Any, angles: Any, scales: Any) -> list[dict]:
+def track_frames(handle_ids: Sequence[str], positions: Any, angles: Any,
+                 scales: Any) -> list[dict[str, Any]]:
     """The fields of each TrackFrame."""
     positions = np.asarray(positions)
     if np.iscomplexobj(positions):

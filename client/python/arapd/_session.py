@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from . import _answers, _calls, _programs, _requests, _shapes, _wire, model
+from . import _answers, _calls, _programs, _requests, _shapes, _ways, _wire, model
 from ._api import JobMethods
 from ._calls import CallOptions, Method, Program
 from ._requests import message
@@ -27,28 +27,31 @@ class SessionMethods(JobMethods):
         self._sizes = _answers.KnownSizes()
 
     def _ask(self, name: str, kind: tuple[str, float, str], call: dict[str, Any],
-             **fields: Any) -> Program:
+             **fields: Any) -> Program[Any]:
         """One unary call of the session; answers its message."""
         request = message(f"{name}Request")(session_id=self.id, **fields)
         method = Method(kind[0], name, kind[1], kind[2])
         return _calls.call(method, request, message(f"{name}Response"), CallOptions(**call), self.id)
 
-    def info(self, **call: Any) -> Any:
+    @_ways.call
+    def info(self, /, **call: Any) -> Program[model.SessionInfo]:
         """What the session holds: a SessionInfo. Does not extend its life."""
-        def program():
+        def program() -> Program[model.SessionInfo]:
             answer = yield from self._ask("GetSession", _LOOK_UP, call)
             return _answers.session_info(answer.session, self.id)
-        return self._run(program())
+        return program()
 
-    def delete(self, **call: Any) -> Any:
+    @_ways.call
+    def delete(self, /, **call: Any) -> Program[None]:
         """Ends the session; its open streams end with NOT_FOUND."""
-        def program():
+        def program() -> Program[None]:
             yield from self._ask("DeleteSession", _REMOVE, call)
-        return self._run(program())
+        return program()
 
-    def register_mesh(self, vertices: Any, triangles: Any, mesh_id: str = "", *,
+    @_ways.call
+    def register_mesh(self, /, vertices: Any, triangles: Any, mesh_id: str = "", *,
                       energy: model.Energy = model.Energy(), repair: model.Repair = model.Repair(),
-                      **call: Any) -> Any:
+                      **call: Any) -> Program[model.Registration]:
         """Mends, checks and factors a mesh of #V×2 vertices and #F×3 triangles: a Registration.
         Without an id it has one made of its content."""
         fields: dict[str, Any] = {"mesh": message("PlanarMesh")(),
@@ -61,53 +64,57 @@ class SessionMethods(JobMethods):
             fields["repair"] = repairs.repair
         size = _answers.MeshSize(len(vertices), len(triangles))
 
-        def program():
+        def program() -> Program[model.Registration]:
             answer = yield from self._ask("RegisterMesh", _WORK, call, mesh_id=mesh_id, **fields)
             mesh = _answers.mesh_info(answer.mesh, mesh_id or None, size)
             self._sizes.know(mesh.id, size)
             return model.Registration(mesh, answer.shared, _answers.seconds(answer.queue_time),
                                       _answers.seconds(answer.solve_time))
-        return self._run(program())
+        return program()
 
-    def get_mesh(self, mesh_id: str, **call: Any) -> Any:
+    @_ways.call
+    def get_mesh(self, /, mesh_id: str, **call: Any) -> Program[model.MeshInfo]:
         """What is known of a mesh: a MeshInfo."""
-        def program():
+        def program() -> Program[model.MeshInfo]:
             answer = yield from self._ask("GetMesh", _LOOK_UP, call, mesh_id=mesh_id)
             mesh = _answers.mesh_info(answer.mesh, mesh_id, None)
             self._sizes.know(mesh_id, _answers.MeshSize(mesh.vertex_count, mesh.triangle_count))
             return mesh
-        return self._run(program())
+        return program()
 
-    def delete_mesh(self, mesh_id: str, **call: Any) -> Any:
+    @_ways.call
+    def delete_mesh(self, /, mesh_id: str, **call: Any) -> Program[None]:
         """Forgets a mesh and the handle sets on it."""
-        def program():
+        def program() -> Program[None]:
             yield from self._ask("DeleteMesh", _REMOVE, call, mesh_id=mesh_id)
             self._sizes.forget(mesh_id)
-        return self._run(program())
+        return program()
 
-    def compile_handles(self, handle_set_id: str, mesh_id: str, handles: Sequence[model.Handle],
-                        **call: Any) -> Any:
+    @_ways.call
+    def compile_handles(self, /, handle_set_id: str, mesh_id: str, handles: Sequence[model.Handle],
+                        **call: Any) -> Program[model.Compilation]:
         """Compiles a handle set on a mesh: a Compilation."""
         ids = [handle.id for handle in handles]
         messages = [self._handle(handle) for handle in handles]
 
-        def program():
+        def program() -> Program[model.Compilation]:
             answer = yield from self._ask("CompileHandles", _WORK, call, mesh_id=mesh_id,
                                           handle_set_id=handle_set_id, handles=messages)
             return self._compiled(answer, handle_set_id, mesh_id, ids, True)
-        return self._run(program())
+        return program()
 
-    def edit_handles(self, handle_set_id: str, remove: Sequence[str] = (),
-                     add: Sequence[model.Handle] = (), **call: Any) -> Any:
+    @_ways.call
+    def edit_handles(self, /, handle_set_id: str, remove: Sequence[str] = (),
+                     add: Sequence[model.Handle] = (), **call: Any) -> Program[model.Compilation]:
         """Removes handles first, then adds: a Compilation. Nothing changes when it fails."""
         ids = [handle.id for handle in add]
         messages = [self._handle(handle) for handle in add]
 
-        def program():
+        def program() -> Program[model.Compilation]:
             answer = yield from self._ask("EditHandles", _CHANGE, call, remove=list(remove),
                                           handle_set_id=handle_set_id, add=messages)
             return self._compiled(answer, handle_set_id, None, ids, False)
-        return self._run(program())
+        return program()
 
     @staticmethod
     def _handle(handle: model.Handle) -> Any:
@@ -122,24 +129,27 @@ class SessionMethods(JobMethods):
         return model.Compilation(handle_set, _answers.seconds(answer.queue_time),
                                  _answers.seconds(answer.solve_time))
 
-    def get_handle_set(self, handle_set_id: str, **call: Any) -> Any:
+    @_ways.call
+    def get_handle_set(self, /, handle_set_id: str, **call: Any) -> Program[model.HandleSet]:
         """What is known of a handle set: a HandleSet."""
-        def program():
+        def program() -> Program[model.HandleSet]:
             answer = yield from self._ask("GetHandleSet", _LOOK_UP, call,
                                           handle_set_id=handle_set_id)
             return _answers.handle_set(answer.handle_set, handle_set_id, None, self._sizes, [])
-        return self._run(program())
+        return program()
 
-    def delete_handle_set(self, handle_set_id: str, **call: Any) -> Any:
+    @_ways.call
+    def delete_handle_set(self, /, handle_set_id: str, **call: Any) -> Program[None]:
         """Forgets a handle set."""
-        def program():
+        def program() -> Program[None]:
             yield from self._ask("DeleteHandleSet", _REMOVE, call, handle_set_id=handle_set_id)
             self._sizes.forget_set(handle_set_id)
-        return self._run(program())
+        return program()
 
-    def deform(self, handle_set_id: str, targets: model.Targets,
+    @_ways.call
+    def deform(self, /, handle_set_id: str, targets: model.Targets,
                options: model.ShapeOptions = model.ShapeOptions(), *, picks: Any = None,
-               **call: Any) -> Any:
+               **call: Any) -> Program[model.Shape]:
         """One target for every handle of the set: a Shape. `picks`: n×2 points of it, at most 1024, to
         find at rest."""
         points = _requests.point_array([] if picks is None else picks, 2, "picks")
@@ -148,18 +158,20 @@ class SessionMethods(JobMethods):
         wanted = message("DeformOptions")()
         _requests.set_shape_options(wanted, options)
 
-        def program():
+        def program() -> Program[model.Shape]:
             answer = yield from self._ask("Deform", _WORK, call, handle_set_id=handle_set_id,
                                           targets=messages, options=wanted,
                                           pick_points=_wire.packed(points))
             question = _shapes.Question(options, self._sizes.of_set(handle_set_id))
             question.told(answer.vertices)
             return _shapes.shape(answer.shape, question, len(points))
-        return self._run(program())
+        return program()
 
-    def deform_track(self, handle_set_id: str, handle_ids: Sequence[str], positions: Any, *,
+    @_ways.each(model.Shape)
+    def deform_track(self, /, handle_set_id: str, handle_ids: Sequence[str], positions: Any, *,
                      angles: Any = None, scales: Any = None,
-                     options: model.ShapeOptions = model.ShapeOptions(), **call: Any) -> Any:
+                     options: model.ShapeOptions = model.ShapeOptions(),
+                     **call: Any) -> Program[None]:
         """An iterator of the Shapes of a track, in order: positions are frames×handles×2, angles and
         scales frames×handles, in the order of handle_ids, which names every handle once. A frame that
         takes longer than ten minutes is DEADLINE_EXCEEDED; ended early, the track is cancelled."""
@@ -170,4 +182,4 @@ class SessionMethods(JobMethods):
             request.frames.add(**frame)
         _requests.set_shape_options(request.options, options)
         question = _shapes.Question(options, self._sizes.of_set(handle_set_id))
-        return self._iterate(_programs.track(request, len(frames), question, CallOptions(**call)))
+        return _programs.track(request, len(frames), question, CallOptions(**call))

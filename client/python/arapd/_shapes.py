@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _checks as check
 from . import model
@@ -23,7 +24,7 @@ class Question:
     def __init__(self, options: model.ShapeOptions, size: MeshSize | None):
         self.options = options
         self.size = size
-        self.vertices: np.ndarray | None = None  # the positions are of these; None: of all
+        self.vertices: NDArray[Any] | None = None  # the positions are of these; None: of all
         self._count = size and size.vertices  # of positions
 
     def told(self, vertices: Sequence[int]) -> None:
@@ -54,7 +55,8 @@ class Question:
             refuse(f"a shape of {count} vertices; {have} {self._count}.")
 
 
-def _positions(message: Any, options: model.ShapeOptions) -> tuple[np.ndarray, np.ndarray, tuple]:
+def _positions(message: Any, options: model.ShapeOptions
+               ) -> tuple[NDArray[Any], NDArray[Any], tuple[float, float]]:
     """The positions, those that travelled, and the origin of these."""
     packed = options.encoding in ("float32_le", "int16_le")
     wanted = "positions64" if options.float64 else "packed_positions" if packed else "positions"
@@ -87,7 +89,8 @@ def _positions(message: Any, options: model.ShapeOptions) -> tuple[np.ndarray, n
     scaled = local * message.scale if options.encoding == "int16_le" else local
     positions = scaled + origin
     positions.flags.writeable = False
-    return positions, local, tuple(origin.tolist())
+    x, y = origin.tolist()
+    return positions, local, (x, y)
 
 
 def _pick(message: Any, size: MeshSize | None) -> model.Pick | None:
@@ -99,10 +102,11 @@ def _pick(message: Any, size: MeshSize | None) -> model.Pick | None:
         refuse("a pick without its weights.")
     rest = (message.rest.x, message.rest.y)
     check.finite([*rest, *bary], "a pick")
-    return model.Pick(message.triangle, tuple(bary.tolist()), rest)
+    first, second, third = bary.tolist()
+    return model.Pick(message.triangle, (first, second, third), rest)
 
 
-def _flipped(message: Any, question: Question) -> np.ndarray:
+def _flipped(message: Any, question: Question) -> NDArray[Any]:
     if not message.flipped_ids:
         return _NO_IDS
     if not question.options.flipped_ids:

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from typing import Any
 
 import grpc
-import numpy as np
+from numpy.typing import NDArray
 
 from . import _answers, _calls, _replay, _requests, _shapes, _wire, faults, model
 from ._calls import Program
@@ -27,7 +27,7 @@ _Response = _wire.message("StreamDeformResponse")
 
 
 class StreamCore(StreamState):
-    def send(self, make: Callable[[int], _replay.Said], sequence: int | None) -> Program:
+    def send(self, make: Callable[[int], _replay.Said], sequence: int | None) -> Program[int]:
         """Sends what `make` makes with the sequence, or with the next one; answers the sequence."""
         if self._sending_closed:
             raise faults.protocol("Sending on this stream was closed.")
@@ -57,7 +57,7 @@ class StreamCore(StreamState):
 
     # What the server answers.
 
-    def open(self) -> Program:
+    def open(self) -> Program[None]:
         """Opens the first call. Once, first."""
         try:
             self.handle_set = yield from self._open_call(fresh=False)
@@ -70,7 +70,7 @@ class StreamCore(StreamState):
         self._waiting_since = None
         self._is_open = True
 
-    def read(self) -> Program:
+    def read(self) -> Program[model.Event | None]:
         """The next event, or None when the stream ended well."""
         while not self._end:
             call = self.call
@@ -101,13 +101,13 @@ class StreamCore(StreamState):
             raise self._end[0]
         return None
 
-    def _next(self, call: Any) -> Program:
+    def _next(self, call: Any) -> Program[Any]:
         self._life.set_waiting(True, now())
         data = yield Next(call)
         self._life.set_waiting(False, now())
         return data
 
-    def _event_of(self, message: Any) -> Any:
+    def _event_of(self, message: Any) -> model.Event | None:
         """The event of a message; None when it is not the user's."""
         kind = message.WhichOneof("payload")
         if kind == "shape":
@@ -129,12 +129,13 @@ class StreamCore(StreamState):
         picks = self._awaited.take(message.sequence)
         if self._known(message.sequence, True):
             return None
+        assert self._question is not None
         return _shapes.shape(message, self._question, picks,
                              self.counts.note_answer(message.sequence, True))
 
     # Opening, the first time and after a loss.
 
-    def _open_call(self, fresh: bool) -> Program:
+    def _open_call(self, fresh: bool) -> Program[model.HandleSet]:
         """A new call, opened by the server; its handle set. It is the call of the moment, but nothing
         is pushed on it before _is_open. Raises _Lost where another attempt may do better."""
         call = yield Begin(METHOD.path, self._deadline.timeout(), self._headers.metadata, fresh)
@@ -172,7 +173,7 @@ class StreamCore(StreamState):
         self._question.told(message.vertices)
         return handle_set
 
-    def _resume(self, error: ArapError) -> Program:
+    def _resume(self, error: ArapError) -> Program[model.Resumed]:
         """Opens again after a loss, for as long as the options say. The event; raises the last error."""
         self._is_open = False
         silent = self._silent
@@ -195,8 +196,9 @@ class StreamCore(StreamState):
             self.counts.resumed += 1
             return model.Resumed(handle_set, attempts)
 
-    def _pause(self, last: ArapError) -> Program:
+    def _pause(self, last: ArapError) -> Program[None]:
         """Waits before the next attempt; raises the error with which to give up."""
+        assert self._trouble is not None
         pause = self._trouble.backoff.next()
         if now() + pause >= self._trouble.until:
             raise last
@@ -207,6 +209,7 @@ class StreamCore(StreamState):
             raise faults.cancelled("The stream was cancelled.")
 
     def _say_again(self) -> None:
+        assert self._log is not None and self._trouble is not None
         messages = self._log.messages()
         if messages:
             self._trouble.opened = now()
@@ -247,5 +250,5 @@ def picks_of(points: Any) -> bytes:
 
 
 def _points(points: Any, name: str) -> bytes:
-    array: np.ndarray = _requests.point_array(points, 2, name)
+    array: NDArray[Any] = _requests.point_array(points, 2, name)
     return array.tobytes()

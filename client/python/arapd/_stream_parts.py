@@ -88,6 +88,20 @@ class Outbox:
         return not self.over and self.left == 0
 
 
+class Talker:
+    """What a call of a stream tells of what waits to be sent on it."""
+
+    _outbox: Outbox
+
+    @property
+    def is_clear(self) -> bool:
+        return self._outbox.is_clear
+
+    @property
+    def writing_since(self) -> float | None:
+        return self._outbox.writing_since
+
+
 class Counts:
     """Of the updates and edits of a stream."""
 

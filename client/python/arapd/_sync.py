@@ -6,20 +6,22 @@ of which the classes here are the blocking kind.
 
 from __future__ import annotations
 
+import datetime
 import threading
 import weakref
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from . import _replay, _requests, faults, model
 from ._api import ClientMethods
-from ._calls import CallOptions, Program
+from ._calls import CallOptions, Program, T
 from ._channel import ChannelPlan, ConnectOptions
 from ._session import SessionMethods
 from ._stream import StreamCore, picks_of, positions_of
 from ._stream_parts import Begin, Changed, Counts, Next
 from ._stream_state import StreamOptions
 from ._sync_io import Channel
+from ._ways import Blocking
 
 
 def connect(address: str, **options: Any) -> Client:
@@ -28,17 +30,27 @@ def connect(address: str, **options: Any) -> Client:
     return Client(address, ConnectOptions(**options))
 
 
-class Client(ClientMethods):
+class Client(Blocking, ClientMethods):
     """Use it as a context manager, or close() it."""
 
     def __init__(self, address: str, options: ConnectOptions = ConnectOptions()):
         self._channel = Channel(ChannelPlan(address, options))
 
-    def _run(self, program: Program) -> Any:
+    def _run(self, program: Program[Any]) -> Any:
         return self._channel.run(program)
 
-    def _session(self, session_id: str, owned: bool) -> Session:
-        return Session(self._channel, session_id, owned)
+    def create_session(self, session_id: str | None = None, *,
+                       ttl: float | datetime.timedelta | None = None,
+                       labels: Mapping[str, str] | None = None, **call: Any) -> Session:
+        """Opens a Session; without an id, one of 128 random bits. `ttl`: life without use in seconds.
+        Repeating it with the same id and arguments is harmless. As a context manager the session is
+        deleted at the end of the block; without, it lives until it has not been used for its ttl."""
+        return self._channel.run(self._creation(
+            lambda name: Session(self._channel, name, True), session_id, ttl, labels, call))
+
+    def attach_session(self, session_id: str) -> Session:
+        """A Session that exists already; asks nothing. It stays at the end of a `with` block."""
+        return Session(self._channel, session_id, False)
 
     def wait_ready(self, timeout: float) -> None:
         """Waits until the connection stands; DEADLINE_EXCEEDED after so many seconds."""
@@ -56,7 +68,7 @@ class Client(ClientMethods):
         self.close()
 
 
-class Session(SessionMethods):
+class Session(Blocking, SessionMethods):
     """As a context manager, one that was created is deleted at the end of the block."""
 
     def __init__(self, channel: Channel, session_id: str, owned: bool):
@@ -64,10 +76,10 @@ class Session(SessionMethods):
         self._channel = channel
         self._owned = owned
 
-    def _run(self, program: Program) -> Any:
+    def _run(self, program: Program[Any]) -> Any:
         return self._channel.run(program)
 
-    def _iterate(self, program: Program) -> Iterator[Any]:
+    def _iterate(self, program: Program[Any]) -> Iterator[Any]:
         return self._channel.iterate(program)
 
     def open_stream(self, handle_set_id: str, options: StreamOptions = StreamOptions(),
@@ -110,8 +122,8 @@ class _Driver:
             return command.call.read()
         return command.call.wait_sent(command.most)
 
-    def run(self, program: Program) -> Any:
-        told = None
+    def run(self, program: Program[T]) -> T:
+        told: Any = None
         with self.changed:
             try:
                 while True:
@@ -125,7 +137,8 @@ class _Driver:
                     finally:
                         self.changed.acquire()
             except StopIteration as stop:
-                return stop.value
+                answer: T = stop.value
+                return answer
             finally:
                 program.close()
 
@@ -223,7 +236,7 @@ class Stream:
         with self._driver.changed:
             self._core.close_sending()
 
-    def read(self) -> model.Shape | model.UpdateError | model.Pong | model.Resumed | None:
+    def read(self) -> model.Event | None:
         """Waits for the next event. None: the stream ended well. ArapError: it is broken, or could not
         be resumed in time. Reads after either repeat it."""
         with self._reading:
@@ -237,7 +250,7 @@ class Stream:
         self._finalizer()
         self._driver.close_own()
 
-    def __iter__(self) -> Iterator[Any]:
+    def __iter__(self) -> Iterator[model.Event]:
         return iter(self.read, None)
 
     def __enter__(self) -> Stream:

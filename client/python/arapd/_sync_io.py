@@ -13,10 +13,10 @@ from typing import Any
 import grpc
 
 from . import faults
-from ._calls import Emit, Ended, Pause, Program, Read, Start, Unary, ended_by
+from ._calls import Emit, Ended, Pause, Program, Read, Start, T, Unary, ended_by
 from ._channel import ChannelPlan
 from ._replay import Said
-from ._stream_parts import Begin, Outbox
+from ._stream_parts import Begin, Outbox, Talker
 
 _OK = Ended(grpc.StatusCode.OK)
 
@@ -32,7 +32,8 @@ class Reading:
 
     def read(self) -> bytes | None:
         try:
-            return next(self._rpc)
+            data: bytes = next(self._rpc)
+            return data
         except StopIteration:
             self.ended = _OK
         except grpc.RpcError:
@@ -99,10 +100,10 @@ class _Patience:
                 self._changed.wait(min(left, 3600.0))
 
 
-class Talking(Reading):
+class Talking(Reading, Talker):
     """The call of a stream. Messages may be pushed from any thread."""
 
-    def __init__(self, begin: Any, timeout: float | None, metadata: tuple):
+    def __init__(self, begin: Any, timeout: float | None, metadata: tuple[tuple[str, str], ...]):
         self._changed = threading.Condition()
         self._outbox = Outbox()
         super().__init__(begin(iter(self._next_request, None), timeout=timeout, metadata=metadata))
@@ -143,14 +144,6 @@ class Talking(Reading):
             self._changed.wait_for(lambda: self._outbox.over or self._outbox.left <= most)
             return not self._outbox.over
 
-    @property
-    def is_clear(self) -> bool:
-        return self._outbox.is_clear
-
-    @property
-    def writing_since(self) -> float | None:
-        return self._outbox.writing_since
-
 
 class Channel:
     """A connection, made anew where a stream asks for it."""
@@ -159,7 +152,7 @@ class Channel:
         self._plan = plan
         self._grpc = plan.make(grpc)
         self._closed = False
-        self._looking: set[Callable] = set()  # what keeps a thread of grpc at it
+        self._looking: set[Callable[[Any], None]] = set()  # what keeps a thread of grpc at it
 
     def another(self) -> Channel:
         return Channel(self._plan)
@@ -206,7 +199,8 @@ class Channel:
         method = functools.partial(self._call, self._grpc.stream_stream(command.path))
         return Talking(method, command.timeout, command.metadata)
 
-    def _call(self, method: Callable, *request: Any, timeout: float | None, metadata: tuple) -> Any:
+    def _call(self, method: Callable[..., Any], *request: Any, timeout: float | None,
+              metadata: tuple[tuple[str, str], ...]) -> Any:
         try:
             return method(*request, timeout=timeout, metadata=metadata + self._plan.identity)
         except ValueError:
@@ -231,13 +225,14 @@ class Channel:
         assert isinstance(command, Read)
         return command.handle.read_within(command.limit)
 
-    def run(self, program: Program) -> Any:
+    def run(self, program: Program[T]) -> T:
         """What a program answers that emits nothing."""
-        for value in self.iterate(program, result := []):
+        result: list[T] = []
+        for value in self.iterate(program, result):
             raise AssertionError(f"a program without takers has emitted {value!r}")
         return result[0]
 
-    def iterate(self, program: Program, result: list | None = None) -> Iterator[Any]:
+    def iterate(self, program: Program[T], result: list[T] | None = None) -> Iterator[Any]:
         """What a program emits; what it answers is put into `result`."""
         told = None
         try:

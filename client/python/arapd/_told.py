@@ -8,14 +8,16 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ._given import Repair
+from .faults import ArapError
 
-_value = dataclasses.dataclass(frozen=True, slots=True, eq=False)
-_plain = dataclasses.dataclass(frozen=True, slots=True)
+Floats = NDArray[np.floating[Any]]
+Indices = NDArray[np.integer[Any]]
 
 
-@_plain
+@dataclasses.dataclass(frozen=True, slots=True)
 class Warning:
     """Something that was repaired or ignored."""
 
@@ -25,7 +27,7 @@ class Warning:
     message: str  # a sentence, as the server sent it
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class Pick:
     """Where a point of a shape was at rest."""
 
@@ -34,21 +36,21 @@ class Pick:
     rest: tuple[float, float]
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class Shape:
     """A deformed mesh and how good it is."""
 
     # #V×2, or a row for each of `vertices`: float32, or float64 where that was asked, and with an
     # origin.
-    positions: np.ndarray
-    local: np.ndarray  # as they travelled: relative to the origin, with "int16_le" integers
+    positions: Floats
+    local: NDArray[Any]  # as they travelled: relative to the origin, with "int16_le" integers
     origin: tuple[float, float]  # (0, 0) unless it was asked for
     scale: float  # units of the mesh per integer of "int16_le", else 1
-    vertices: np.ndarray | None  # which ones, with boundary_only and vertex_subset; None: all
+    vertices: Indices | None  # which ones, with boundary_only and vertex_subset; None: all
     sequence: int  # of the update that it answers; in a track the number of the frame
     replaced: int  # updates that newer ones replaced since the answer before
     flipped_count: int
-    flipped_ids: np.ndarray  # when asked
+    flipped_ids: Indices  # when asked
     worst_handle_error: float
     worst_handle_id: str  # "" without handles
     energy: float
@@ -69,7 +71,7 @@ class Shape:
         return float(np.abs(self.local).max()) / 2**24
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class MeshInfo:
     """A mesh as a session holds it."""
 
@@ -89,7 +91,7 @@ class MeshInfo:
     repair: Repair
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class Registration:
     mesh: MeshInfo
     shared: bool  # the factors were there already
@@ -97,12 +99,12 @@ class Registration:
     solve_seconds: float
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class OutlineMesh:
     """Triangles inside outlines."""
 
-    vertices: np.ndarray  # #V×2, float64
-    triangles: np.ndarray  # #F×3, uint32, counter-clockwise
+    vertices: Floats  # #V×2, float64
+    triangles: Indices  # #F×3, uint32, counter-clockwise
     piece_count: int
     hole_count: int
     smallest_angle_degrees: float
@@ -110,7 +112,7 @@ class OutlineMesh:
     solve_seconds: float
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class PlacedHandle:
     id: str
     rest: tuple[float, float]  # after any snapping
@@ -118,7 +120,7 @@ class PlacedHandle:
     component: int
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class HandleSet:
     """A handle set as the server holds it."""
 
@@ -128,21 +130,21 @@ class HandleSet:
     row_count: int
     bytes: int
     warnings: tuple[Warning, ...]
-    depth: np.ndarray  # #V or 0
-    draw_order: np.ndarray  # triangles back to front, #F or 0
+    depth: Floats  # #V or 0
+    draw_order: Indices  # triangles back to front, #F or 0
     revision: int  # grows by one with every edit
     resting_components: int
     translating_components: int
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class Compilation:
     handle_set: HandleSet
     queue_seconds: float
     solve_seconds: float
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class SessionInfo:
     id: str
     create_time: datetime.datetime  # UTC
@@ -153,13 +155,13 @@ class SessionInfo:
     handle_set_ids: tuple[str, ...]
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class SessionPage:
     sessions: tuple[SessionInfo, ...]  # by id
     next_page_token: str  # "" at the end
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class ServerInfo:
     version: str
     limits: Mapping[str, float]  # by the names of arap.v1.Limits; times in seconds
@@ -167,7 +169,7 @@ class ServerInfo:
     workers: int
 
 
-@_plain
+@dataclasses.dataclass(frozen=True, slots=True)
 class Distortion:
     """How far a mapping is from an isometry."""
 
@@ -185,45 +187,45 @@ class Distortion:
     worst_triangle: int
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class Chart:
     """A connected piece of a layout. Indices are positions of the layout."""
 
-    loops: tuple[np.ndarray, ...]  # boundaries in order, the longest first
-    anchors: np.ndarray  # two or none
+    loops: tuple[Indices, ...]  # boundaries in order, the longest first
+    anchors: Indices  # two or none
     triangle_count: int
     distortion: Distortion
     boundary_crossings: int
     refinements: int
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class DrawingFile:
     page: str  # "cover" or a number where there is a file for each; else ""
     data: bytes
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class Drawing:
     files: tuple[DrawingFile, ...]
     warnings: tuple[Warning, ...]  # what is doubtful in it; elements are places in charts
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class Flattening:
     """A flat surface, true to size."""
 
-    uv: np.ndarray  # #U×2
-    uv_vertex: np.ndarray  # #U, the vertex that each came from; the first #V in order
-    corner_uv: np.ndarray  # #F×3, the position of every corner
-    welded_vertex: np.ndarray  # #V where vertices were welded: who stands for each; else 0
-    triangle_chart: np.ndarray  # #F
+    uv: Floats  # #U×2
+    uv_vertex: Indices  # #U, the vertex that each came from; the first #V in order
+    corner_uv: Indices  # #F×3, the position of every corner
+    welded_vertex: Indices  # #V where vertices were welded: who stands for each; else 0
+    triangle_chart: Indices  # #F
     charts: tuple[Chart, ...]
-    cut_edges: np.ndarray  # k×2 vertices, seams and then automatic cuts
+    cut_edges: Indices  # k×2 vertices, seams and then automatic cuts
     auto_cut_count: int
-    left_out_triangles: np.ndarray
-    first_step_uv: np.ndarray  # #U×2 when asked, else 0×2
-    singular_values: np.ndarray  # #F×2 when asked, else 0×2
+    left_out_triangles: Indices
+    first_step_uv: Floats  # #U×2 when asked, else 0×2
+    singular_values: Floats  # #F×2 when asked, else 0×2
     distortion: Distortion
     warnings: tuple[Warning, ...]
     drawings: tuple[Drawing, ...]  # in the order in which they were asked for
@@ -233,7 +235,7 @@ class Flattening:
     solve_seconds: float
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class Job:
     """How a flattening stands that goes on by itself."""
 
@@ -253,24 +255,27 @@ class Job:
 # Events of a stream beside Shape.
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class UpdateError:
     """A bad update or edit. The stream goes on."""
 
     sequence: int
-    error: Any  # ArapError
+    error: ArapError
 
 
-@_plain
+@dataclasses.dataclass(frozen=True, slots=True)
 class Pong:
     """The answer to a ping."""
 
     nonce: int
 
 
-@_value
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class Resumed:
     """The stream was lost and goes on, perhaps on another server."""
 
     handle_set: HandleSet  # as the session holds it now, without the stream's own edits
     attempts: int  # to open it again
+
+
+Event = Shape | UpdateError | Pong | Resumed

@@ -15,11 +15,13 @@ import importlib.resources
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
 _Field = descriptor_pb2.FieldDescriptorProto
-_RUNS = {_Field.TYPE_FLOAT: np.dtype("<f4"), _Field.TYPE_DOUBLE: np.dtype("<f8")}
-_runs: dict[tuple[str, str], np.dtype] = {}
+_RUNS: dict[int, np.dtype[Any]] = {_Field.TYPE_FLOAT: np.dtype("<f4"),
+                                   _Field.TYPE_DOUBLE: np.dtype("<f8")}
+_runs: dict[tuple[str, str], np.dtype[Any]] = {}
 
 
 def _runs_as_bytes(message: Any, full_name: str) -> None:
@@ -60,13 +62,18 @@ def message(name: str) -> Any:
     return _factory.GetPrototype(descriptor)
 
 
+def serialized(message_: Any) -> bytes:
+    data: bytes = message_.SerializeToString()
+    return data
+
+
 def enum_names(name: str) -> dict[str, int]:
     """The values of an enumeration of arap.v1 by their names."""
     descriptor = _pool.FindEnumTypeByName(f"arap.v1.{name}")
     return {value.name: value.number for value in descriptor.values}
 
 
-def numbers(message_: Any, field: str) -> np.ndarray:
+def numbers(message_: Any, field: str) -> NDArray[Any]:
     """A run of numbers, as a read-only array on the bytes of the message; nothing is copied.
 
     ValueError when the bytes are no whole number of them."""

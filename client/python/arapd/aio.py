@@ -16,7 +16,8 @@ again without loss. A client belongs to one event loop.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Sequence
+import datetime
+from collections.abc import AsyncIterator, Mapping, Sequence
 from typing import Any
 
 from . import _replay, _requests, faults, model
@@ -28,6 +29,7 @@ from ._session import SessionMethods
 from ._stream import StreamCore, picks_of, positions_of
 from ._stream_parts import Begin, Changed, Counts, Next
 from ._stream_state import StreamOptions
+from ._ways import Awaited
 
 
 def connect(address: str, **options: Any) -> Client:
@@ -35,17 +37,25 @@ def connect(address: str, **options: Any) -> Client:
     return Client(address, ConnectOptions(**options))
 
 
-class Client(ClientMethods):
+class Client(Awaited, ClientMethods):
     """Use it with `async with`, or close() it."""
 
     def __init__(self, address: str, options: ConnectOptions = ConnectOptions()):
         self._channel = Channel(ChannelPlan(address, options))
 
-    def _run(self, program: Program) -> Any:
+    def _run(self, program: Program[Any]) -> Any:
         return self._channel.run(program)
 
-    def _session(self, session_id: str, owned: bool) -> Session:
-        return Session(self._channel, session_id, owned)
+    def create_session(self, session_id: str | None = None, *,
+                       ttl: float | datetime.timedelta | None = None,
+                       labels: Mapping[str, str] | None = None, **call: Any) -> Pending[Session]:
+        """As of arapd.Client; `async with` enters it."""
+        return self._channel.run(self._creation(
+            lambda name: Session(self._channel, name, True), session_id, ttl, labels, call))
+
+    def attach_session(self, session_id: str) -> Session:
+        """A Session that exists already; asks nothing. It stays at the end of an `async with` block."""
+        return Session(self._channel, session_id, False)
 
     async def wait_ready(self, timeout: float) -> None:
         """Waits until the connection stands; DEADLINE_EXCEEDED after so many seconds."""
@@ -63,7 +73,7 @@ class Client(ClientMethods):
         await self.close()
 
 
-class Session(SessionMethods):
+class Session(Awaited, SessionMethods):
     """With `async with`, one that was created is deleted at the end of the block."""
 
     def __init__(self, channel: Channel, session_id: str, owned: bool):
@@ -71,14 +81,14 @@ class Session(SessionMethods):
         self._channel = channel
         self._owned = owned
 
-    def _run(self, program: Program) -> Any:
+    def _run(self, program: Program[Any]) -> Any:
         return self._channel.run(program)
 
-    def _iterate(self, program: Program) -> AsyncIterator[Any]:
+    def _iterate(self, program: Program[Any]) -> AsyncIterator[Any]:
         return self._channel.iterate(program)
 
     def open_stream(self, handle_set_id: str, options: StreamOptions = StreamOptions(),
-                    **call: Any) -> Pending:
+                    **call: Any) -> Pending[Stream]:
         """Opens a live Stream, once the server has opened it. `timeout` is that of the whole stream;
         without one it may last for ever."""
         stream = Stream(self._channel, self, handle_set_id, options, CallOptions(**call))
@@ -108,8 +118,8 @@ class Stream:
         self._changed = Signal()
         self._core = StreamCore(session.id, handle_set_id, options, session._sizes, call,
                                 self._changed.notify)
-        self._watching: asyncio.Task | None = None
-        self._reading: asyncio.Task | None = None
+        self._watching: asyncio.Task[Any] | None = None
+        self._reading: asyncio.Task[model.Event | None] | None = None
 
     async def _open(self) -> Stream:
         self._watching = asyncio.create_task(self._watch())
@@ -175,7 +185,7 @@ class Stream:
         """As arapd.Stream.close_sending."""
         self._core.close_sending()
 
-    async def read(self) -> model.Shape | model.UpdateError | model.Pong | model.Resumed | None:
+    async def read(self) -> model.Event | None:
         """As arapd.Stream.read. A read that is given up loses nothing: the next one goes on with it."""
         if self._reading is None:
             self._reading = asyncio.create_task(drive(self._core.read(), self._do))
@@ -206,10 +216,10 @@ class Stream:
         while self._own:
             await self._own.pop().close()
 
-    def __aiter__(self) -> AsyncIterator[Any]:
+    def __aiter__(self) -> AsyncIterator[model.Event]:
         return self
 
-    async def __anext__(self) -> Any:
+    async def __anext__(self) -> model.Event:
         event = await self.read()
         if event is None:
             raise StopAsyncIteration

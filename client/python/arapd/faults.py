@@ -19,26 +19,63 @@ from __future__ import annotations
 
 import enum
 import re
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import grpc
 from google.protobuf.message import DecodeError
 
 from . import _wire
 
-_PREFIX = "ERROR_REASON_"
 _CODES = {code.value[0]: code for code in grpc.StatusCode}
 _Status = _wire.message("google.rpc.Status")
 _ErrorInfo = _wire.message("google.rpc.ErrorInfo")
 _BadRequest = _wire.message("google.rpc.BadRequest")
 _RetryInfo = _wire.message("google.rpc.RetryInfo")
 
-# The reasons of errors.proto, and for each its own name: Reason.NOT_FOUND == "NOT_FOUND".
-Reason = enum.Enum(
-    "Reason",
-    {name.removeprefix(_PREFIX): name.removeprefix(_PREFIX)
-     for name, number in _wire.enum_names("ErrorReason").items() if number != 0},
-    type=str, module=__name__)
+class Reason(str, enum.Enum):
+    """The reasons of errors.proto, and for each its own name: Reason.NOT_FOUND == "NOT_FOUND"."""
+
+    EMPTY_MESH = "EMPTY_MESH"
+    ARRAY_LENGTH = "ARRAY_LENGTH"
+    NON_FINITE_COORDINATE = "NON_FINITE_COORDINATE"
+    INDEX_OUT_OF_RANGE = "INDEX_OUT_OF_RANGE"
+    REPEATED_INDEX = "REPEATED_INDEX"
+    DEGENERATE_TRIANGLE = "DEGENERATE_TRIANGLE"
+    DUPLICATE_TRIANGLE = "DUPLICATE_TRIANGLE"
+    NON_MANIFOLD_EDGE = "NON_MANIFOLD_EDGE"
+    NOT_ORIENTABLE = "NOT_ORIENTABLE"
+    NOT_A_DISK = "NOT_A_DISK"
+    MESH_TOO_LARGE = "MESH_TOO_LARGE"
+    INVALID_OPTION = "INVALID_OPTION"
+    HANDLE_OUTSIDE = "HANDLE_OUTSIDE"
+    DUPLICATE_HANDLE = "DUPLICATE_HANDLE"
+    UNKNOWN_HANDLE = "UNKNOWN_HANDLE"
+    CONFLICTING_HANDLES = "CONFLICTING_HANDLES"
+    NON_FINITE_TARGET = "NON_FINITE_TARGET"
+    TARGET_COUNT = "TARGET_COUNT"
+    TOO_MANY_HANDLES = "TOO_MANY_HANDLES"
+    INVALID_NAME = "INVALID_NAME"
+    NOT_FOUND = "NOT_FOUND"
+    ALREADY_EXISTS = "ALREADY_EXISTS"
+    PROTOCOL = "PROTOCOL"
+    LIMIT_EXCEEDED = "LIMIT_EXCEEDED"
+    OVERLOADED = "OVERLOADED"
+    DRAINING = "DRAINING"
+    CANCELLED = "CANCELLED"
+    DEADLINE_EXCEEDED = "DEADLINE_EXCEEDED"
+    UNIMPLEMENTED = "UNIMPLEMENTED"
+    NUMERICAL = "NUMERICAL"
+    INTERNAL = "INTERNAL"
+    NON_MANIFOLD_VERTEX = "NON_MANIFOLD_VERTEX"
+    UNKNOWN_EDGE = "UNKNOWN_EDGE"
+    NOT_INJECTIVE = "NOT_INJECTIVE"
+    STREAM_IDLE = "STREAM_IDLE"
+    UNAUTHENTICATED = "UNAUTHENTICATED"
+    PERMISSION_DENIED = "PERMISSION_DENIED"
+    STORE_UNAVAILABLE = "STORE_UNAVAILABLE"
+    DATA_LOSS = "DATA_LOSS"
+    OUT_OF_MEMORY = "OUT_OF_MEMORY"
+
 
 _REASON_OF_CODE = {
     grpc.StatusCode.UNAVAILABLE: Reason.DRAINING,
@@ -67,17 +104,18 @@ class ArapError(Exception):
     def __str__(self) -> str:
         return f"{self.reason.value}: {self.message}"
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return _made, (self.reason.value, self.message, self.code, self.field, self.elements,
                        self.retry_after, self.details)
 
 
-def _made(reason, message, code, field, elements, retry_after, details):
+def _made(reason: str, message: str, code: grpc.StatusCode, field: str, elements: tuple[int, ...],
+          retry_after: float | None, details: dict[str, str]) -> ArapError:
     return ArapError(Reason(reason), message, code, field=field, elements=elements,
                      retry_after=retry_after, details=details)
 
 
-def of_status(status) -> ArapError:
+def of_status(status: Any) -> ArapError:
     """The error that a google.rpc.Status tells of."""
     code = _CODES.get(status.code, grpc.StatusCode.UNKNOWN)
     error = ArapError(_REASON_OF_CODE.get(code, Reason.INTERNAL), status.message, code)
@@ -95,7 +133,7 @@ def of_status(status) -> ArapError:
     return error
 
 
-def _read(info, error: ArapError) -> None:
+def _read(info: Any, error: ArapError) -> None:
     try:
         error.reason = Reason(info.reason)
     except ValueError:  # of a newer server; the code has chosen one

@@ -8,13 +8,13 @@ answers are numpy's, and read-only.
 
 from ._given import (DrawingOptions, Energy, FlattenOptions, GrainLine, Handle, Pin, Repair, ShapeOptions, Target,
                      Targets)
-from ._told import (Chart, Compilation, Distortion, Drawing, DrawingFile, Flattening, HandleSet, Job, MeshInfo,
+from ._told import (Chart, Compilation, Distortion, Drawing, DrawingFile, Event, Flattening, HandleSet, Job, MeshInfo,
                     OutlineMesh, Pick, PlacedHandle, Pong, Registration, Resumed, ServerInfo,
                     SessionInfo, SessionPage, Shape, UpdateError, Warning)
 
 __all__ = [
     "Chart", "Compilation", "Distortion", "Drawing", "DrawingFile",
-    "DrawingOptions", "Energy", "FlattenOptions", "Flattening", "GrainLine",
+    "DrawingOptions", "Energy", "Event", "FlattenOptions", "Flattening", "GrainLine",
     "Handle", "HandleSet", "Job", "MeshInfo", "OutlineMesh", "Pick", "Pin", "PlacedHandle", "Pong",
     "Registration", "Repair", "Resumed", "ServerInfo", "SessionInfo", "SessionPage", "Shape",
     "ShapeOptions", "Target", "Targets", "UpdateError", "Warning",
