@@ -33,6 +33,8 @@ export interface CallOptions {
   retryWithin?: number;
   /** W3C's "traceparent" of what the call is part of. Default: a trace of its own. */
   traceparent?: string;
+  /** What the server's logs call it: a name as ids are. Default: 128 random bits. */
+  requestId?: string;
 }
 
 export const quickLimit = 30_000;
@@ -61,12 +63,14 @@ export function deadlineOf(options: CallOptions, limit: number): number {
 
 /** The headers of one call, the same for all its attempts. */
 export class CallHeaders {
-  readonly requestId = randomHex(16);
+  readonly requestId: string;
   readonly #sessionId: string;
   readonly #traceparent: string;
 
   constructor(sessionId: string, options: CallOptions) {
     this.#sessionId = sessionId;
+    const { requestId = "" } = options;
+    this.requestId = isName(requestId) ? requestId : randomHex(16);
     const given = options.traceparent ?? "";
     const own = `00-${randomHex(16)}-${randomHex(8)}-01`;
     this.#traceparent = /^00-[0-9a-f]{32}-[0-9a-f]{16}-[0-9a-f]{2}$/.test(given) ? given : own;

@@ -83,6 +83,7 @@ test("some vertices, in the order that was asked for, or those of the boundary",
     for (const [options, vertices] of parts) {
       const expected = vertices.flatMap((v) => [positions[2 * v]!, positions[2 * v + 1]!]);
       const stream = await session.openStream("h", { ...options, float64: true });
+      assert.deepEqual(Array.from(stream.vertices!), vertices);
       stream.send({ targets });
       const streamed = await nextShape(stream);
       stream.cancel();

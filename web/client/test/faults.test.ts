@@ -53,6 +53,10 @@ test("a server names what is wrong with a mesh", { timeout }, () =>
       assert.match(error.requestId ?? "", /^[0-9a-f]{32}$/);
       assert.equal(error.retryAfter, undefined);
     }
+    const named = session.getMesh("none", { requestId: "page-7" });
+    assert.equal((await failure(named, "NOT_FOUND")).requestId, "page-7");
+    const unfit = session.getMesh("none", { requestId: "no name" });
+    assert.match((await failure(unfit, "NOT_FOUND")).requestId ?? "", /^[0-9a-f]{32}$/);
   }),
 );
 

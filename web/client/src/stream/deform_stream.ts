@@ -81,6 +81,11 @@ export class DeformStream implements AsyncIterable<StreamEvent> {
     return this.#live.handleSet;
   }
 
+  /** Which vertices all shapes of the stream are of, in their order; null: all. */
+  get vertices(): Uint32Array | null {
+    return this.#live.vertices;
+  }
+
   /**
    * Sends an update, and answers its sequence. Never waits: on a "latest" stream updates that the
    * transport has not taken yet are merged, their targets kept; on an "every" stream they queue up,

@@ -34,6 +34,7 @@ export type Settings = StreamOptions & {
 const now = (): number => performance.now();
 export class LiveStream {
   handleSet!: HandleSetInfo; // as it was when the stream opened
+  vertices: Uint32Array | null = null; // which ones the shapes are of; null: all
   #channel: Channel;
   #ownChannel: Channel | undefined; // one that was made after silence
   readonly #sizes: KnownSizes;
@@ -49,7 +50,6 @@ export class LiveStream {
   readonly #unhook: () => void;
   #watch: NodeJS.Timeout | undefined;
   #mesh: MeshSize | undefined; // once it is known
-  #vertices: Uint32Array | null = null; // which ones the shapes are of; null: all
   #call: StreamCall | undefined; // of the moment
   #open = false; // it may be pushed on
   #onOpen: (() => void)[] = [];
@@ -250,7 +250,7 @@ export class LiveStream {
   #shapeOf(answer: ShapeAnswer): StreamEvent | undefined {
     const picks = this.#awaited.take(answer.sequence);
     if (this.#known(answer.sequence, true)) return undefined;
-    const vertices = this.#vertices;
+    const vertices = this.vertices;
     const shape = shapeOf(answer, { options: this.#settings, mesh: this.#mesh, vertices, picks });
     // Of a mesh that was never seen, the shapes have at least one size.
     if (!vertices) this.#mesh ??= { vertices: shape.local.length / 2, triangles: Infinity };
@@ -294,7 +294,7 @@ export class LiveStream {
         const asked = { id: this.#openMessage.handleSetId ?? "" };
         const set = handleSetOf(message.opened.handleSet, asked, this.#sizes.ofMesh);
         this.#sizes.knowSet(set.id, set.meshId);
-        this.#vertices = verticesOf(
+        this.vertices = verticesOf(
           message.opened.vertices,
           this.#settings,
           this.#sizes.ofMesh(set.meshId),
