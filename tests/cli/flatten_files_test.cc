@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <regex>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -86,10 +85,28 @@ std::string TubeOfEverything(const std::string& end) {
   return ended;
 }
 
+// A face with "7", "7/3" and "7/3/2" as "7//", "7//" and "7//2".
+std::string CornersWithoutLayout(const std::string& face) {
+  constexpr const char* kCorner = "-0123456789/";
+  std::string rest;
+  for (std::size_t at = 0; at < face.size();) {
+    const std::size_t end = std::min(face.find_first_not_of(kCorner, at), face.size());
+    if (end == at) {
+      rest += face[at++];
+      continue;
+    }
+    const std::string corner = face.substr(at, end - at);
+    const std::size_t first = std::min(corner.find('/'), corner.size());
+    const std::size_t second = std::min(corner.find('/', first + 1), corner.size() - 1);
+    rest += corner.substr(0, first) + "//" + (first < second ? corner.substr(second + 1) : "");
+    at = end;
+  }
+  return rest;
+}
+
 // The text without texture coordinates: no lines of them, and corners without their index. All else
 // is as it was, byte by byte. For LF and CRLF.
 std::string WithoutLayout(const std::string& text) {
-  static const std::regex kCorner(R"((-?\d+)(/-?\d*)?(/(-?\d+))?)");
   std::string rest;
   bool face = false, joined = false;
   for (std::size_t at = 0; at < text.size();) {
@@ -105,7 +122,7 @@ std::string WithoutLayout(const std::string& text) {
       continue;
     }
     const std::size_t comment = std::min(line.find('#'), line.size());
-    rest += std::regex_replace(line.substr(0, comment), kCorner, "$1//$4") + line.substr(comment);
+    rest += CornersWithoutLayout(line.substr(0, comment)) + line.substr(comment);
   }
   return rest;
 }
