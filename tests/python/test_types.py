@@ -1,5 +1,6 @@
 """What type checkers know of the package: what calls answer, in both ways of waiting."""
 
+import inspect
 import os
 import subprocess
 import sys
@@ -7,6 +8,7 @@ import sys
 import pytest
 
 import arapd
+import arapd.aio
 from arapd import _wire
 
 USE = '''
@@ -77,6 +79,15 @@ def test_results_have_types_and_the_package_is_right_by_them(tmp_path):
 def test_mistakes_are_found(tmp_path):
     lines = check(tmp_path, WRONG).stdout.splitlines()
     assert [line.split(":")[1] for line in lines if ": error: " in line] == ["4", "5", "6"], lines
+
+
+def test_help_tells_what_is_answered():
+    def answered(method):
+        return inspect.signature(method).return_annotation
+
+    assert answered(arapd.Client.server_info) == "model.ServerInfo"
+    assert answered(arapd.aio.Session.deform) == "model.Shape"
+    assert answered(arapd.Session.deform_track) == "Iterator[model.Shape]"
 
 
 def test_every_reason_of_the_protocol_has_its_name():

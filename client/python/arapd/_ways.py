@@ -4,6 +4,7 @@ answers its result, and a client of asyncio one whose answer is awaited. Types s
 from __future__ import annotations
 
 import functools
+import inspect
 from collections.abc import AsyncIterator, Callable, Iterator
 from typing import TYPE_CHECKING, Any, Concatenate, Generic, ParamSpec, TypeVar, overload
 
@@ -42,11 +43,19 @@ if TYPE_CHECKING:
         def __get__(self, instance: object, owner: type) -> Any: ...
 
 
+def _show(method: Callable[..., Any], make: Callable[..., Any], answer: str) -> None:
+    """help() shows what the method answers."""
+    signature = inspect.signature(make).replace(return_annotation=answer)
+    setattr(method, "__signature__", signature)
+
+
 def call(make: Callable[Concatenate[S, P], Program[T]]) -> _Call[P, T]:
     """The method that runs what `make` makes."""
     @functools.wraps(make)
     def method(self: Any, *args: Any, **named: Any) -> Any:
         return self._run(make(self, *args, **named))
+    made = str(inspect.signature(make).return_annotation)
+    _show(method, make, made.removeprefix("Program[").removesuffix("]"))
     return method  # type: ignore[return-value]
 
 
@@ -56,5 +65,6 @@ def each(value: type[T]) -> Callable[[Callable[Concatenate[S, P], Program[Any]]]
         @functools.wraps(make)
         def method(self: Any, *args: Any, **named: Any) -> Any:
             return self._iterate(make(self, *args, **named))
+        _show(method, make, f"Iterator[model.{value.__name__}]")
         return method  # type: ignore[return-value]
     return of
