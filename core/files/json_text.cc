@@ -1,12 +1,10 @@
 #include "core/files/json_text.h"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
 
-#include "core/base/try.h"
 #include "core/files/text_file.h"
 
 namespace arap {
@@ -18,25 +16,22 @@ std::string PlaceName(std::string_view text, const std::string& name, std::size_
 }
 
 // Keeps nothing but the first thing that is wrong.
-class Critic final : public nlohmann::json_sax<nlohmann::ordered_json> {
+class Critic final : public nlohmann::json_sax<JsonValue> {
  public:
-  explicit Critic(std::size_t most_values = std::numeric_limits<std::size_t>::max())
-      : most_values_(most_values) {}
-
   std::size_t read = 0;  // bytes, with the one that is wrong
-  std::string what;      // stays empty when there are too many values
+  std::string what;
 
-  bool null() override { return Count(); }
-  bool boolean(bool /*value*/) override { return Count(); }
-  bool number_integer(number_integer_t /*value*/) override { return Count(); }
-  bool number_unsigned(number_unsigned_t /*value*/) override { return Count(); }
-  bool number_float(number_float_t /*value*/, const string_t& /*text*/) override { return Count(); }
-  bool string(string_t& /*value*/) override { return Count(); }
-  bool binary(binary_t& /*value*/) override { return Count(); }
-  bool start_object(std::size_t /*size*/) override { return Count(); }
+  bool null() override { return true; }
+  bool boolean(bool /*value*/) override { return true; }
+  bool number_integer(number_integer_t /*value*/) override { return true; }
+  bool number_unsigned(number_unsigned_t /*value*/) override { return true; }
+  bool number_float(number_float_t /*value*/, const string_t& /*text*/) override { return true; }
+  bool string(string_t& /*value*/) override { return true; }
+  bool binary(binary_t& /*value*/) override { return true; }
+  bool start_object(std::size_t /*size*/) override { return true; }
   bool key(string_t& /*value*/) override { return true; }
   bool end_object() override { return true; }
-  bool start_array(std::size_t /*size*/) override { return Count(); }
+  bool start_array(std::size_t /*size*/) override { return true; }
   bool end_array() override { return true; }
   bool parse_error(std::size_t position, const std::string& /*token*/,
                    const nlohmann::detail::exception& error) override {
@@ -54,19 +49,7 @@ class Critic final : public nlohmann::json_sax<nlohmann::ordered_json> {
     }
     return false;
   }
-
- private:
-  bool Count() { return ++values_ <= most_values_; }
-
-  std::size_t most_values_, values_ = 0;
 };
-
-tl::unexpected<Fault> NotJson(std::string_view text, const std::string& name,
-                              const Critic& critic) {
-  const std::size_t offset = critic.read > 0 ? critic.read - 1 : 0;
-  return Fail(FaultKind::kInvalidOption,
-              fmt::format("{}: not JSON: {}", PlaceName(text, name, offset), critic.what));
-}
 
 // Goes through a text that is known to be JSON.
 class Walker {
@@ -146,55 +129,60 @@ class Walker {
   std::size_t at_ = 0;
 };
 
-// The bracket with which a text becomes too deep, which costs many times its length to keep. Brackets
-// in a text that is no JSON may count wrongly.
-std::optional<std::size_t> FirstTooDeep(std::string_view text) {
-  constexpr std::size_t kDeepest = 100;
-  std::size_t depth = 0;
+constexpr std::size_t kDeepest = 100;  // lists and objects in one another
+
+// The place from which on a text is too much to be kept as values, and what it has too much of.
+struct Excess {
+  std::size_t at = 0;
+  std::string_view what;
+};
+
+// Found without keeping anything. A value of a character or two takes many times its length, and a
+// text may be full of these. What is no JSON may count wrongly.
+std::optional<Excess> FindExcess(std::string_view text, std::size_t per_byte) {
+  // Bytes as the library has them, with what its lists grow ahead; a string may name a member.
+  constexpr std::size_t kElement = 24, kList = 48, kObject = 64, kString = 96;
+  const std::size_t most = (std::size_t{24} << 20U) + per_byte * text.size();
+  std::size_t depth = 0, bytes = 0;
   bool quoted = false;
   for (std::size_t at = 0; at < text.size(); ++at) {
     const char c = text[at];
-    if (quoted && c == '\\') {
-      ++at;
+    if (quoted) {
+      if (c == '\\') ++at;
+      quoted = c != '"';
+      ++bytes;
     } else if (c == '"') {
-      quoted = !quoted;
-    } else if (!quoted && (c == '[' || c == '{')) {
-      if (++depth > kDeepest) return at;
-    } else if (!quoted && depth > 0 && (c == ']' || c == '}')) {
+      quoted = true;
+      bytes += kString;
+    } else if (c == ',') {
+      bytes += kElement;
+    } else if (c == '[' || c == '{') {
+      if (++depth > kDeepest) return Excess{at, "lists and objects are nested too deeply"};
+      bytes += kElement + (c == '[' ? kList : kObject);
+    } else if (depth > 0 && (c == ']' || c == '}')) {
       --depth;
+    }
+    if (bytes > most) {
+      return Excess{at, "so many short values take too much memory for a text of this size"};
     }
   }
   return std::nullopt;
 }
 
-Status CheckDepth(std::string_view text, const std::string& name) {
-  const auto deep = FirstTooDeep(text);
-  if (!deep) return {};
-  return Fail(FaultKind::kInvalidOption,
-              PlaceName(text, name, *deep) + ": lists and objects are nested too deeply");
-}
-
 }  // namespace
 
-Result<nlohmann::ordered_json> ParseJson(std::string_view text, const std::string& name) {
-  CHECK_OK(CheckDepth(text, name));
-  auto json = nlohmann::ordered_json::parse(text, nullptr, /*allow_exceptions=*/false);
+Result<JsonValue> ParseJson(std::string_view text, const std::string& name, std::size_t per_byte) {
+  if (const auto excess = FindExcess(text, per_byte)) {
+    return Fail(FaultKind::kInvalidOption,
+                fmt::format("{}: {}", PlaceName(text, name, excess->at), excess->what));
+  }
+  auto json = JsonValue::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!json.is_discarded()) return json;
   Critic critic;
-  nlohmann::ordered_json::sax_parse(text, &critic);
-  return NotJson(text, name, critic);
-}
-
-Result<nlohmann::json> ParseJsonData(std::string_view text, const std::string& name,
-                                     std::size_t most_values) {
-  CHECK_OK(CheckDepth(text, name));
-  Critic critic(most_values);
-  if (!nlohmann::ordered_json::sax_parse(text, &critic)) {
-    if (!critic.what.empty()) return NotJson(text, name, critic);
-    return Fail(FaultKind::kInvalidOption,
-                fmt::format("{}: the limit is {} values in JSON", name, most_values));
-  }
-  return nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  JsonValue::sax_parse(text, &critic);
+  const std::size_t offset = critic.read > 0 ? critic.read - 1 : 0;
+  return Fail(FaultKind::kInvalidOption,
+              fmt::format("{}: not JSON: {}", PlaceName(text, name, offset), critic.what));
 }
 
 std::string JsonPlace(std::string_view text, const std::string& name,

@@ -1,4 +1,4 @@
-// JSON that people write: a fault says where it is.
+// JSON of files: a fault says where it is, and what it takes is bounded by the text.
 #pragma once
 
 #include <cstddef>
@@ -13,15 +13,14 @@
 
 namespace arap {
 
-// kInvalidOption, "NAME:3:14: not JSON: what was found instead" with line and column; also for one
-// that is nested a hundred times and more.
-Result<nlohmann::ordered_json> ParseJson(std::string_view text, const std::string& name);
+// Members of objects in no order: the library copies what it has read when one with an order grows.
+using JsonValue = nlohmann::json;
 
-// The same for JSON that programs write, with the members of objects in any order. It fails too, and
-// keeps nothing, when there are more than `most_values` of all kinds: a value takes many times the
-// bytes that it may have in the text.
-Result<nlohmann::json> ParseJsonData(std::string_view text, const std::string& name,
-                                     std::size_t most_values);
+// kInvalidOption, "NAME:3:14: not JSON: what was found instead" with line and column; also for one
+// that is nested a hundred times and more, or is large and little more than brackets and commas: the
+// values take at most 24 MiB and `per_byte` bytes for each of the text.
+Result<JsonValue> ParseJson(std::string_view text, const std::string& name,
+                            std::size_t per_byte = 16);
 
 // The member of an object, or the element of an array counted from 0.
 using JsonStep = std::variant<std::string_view, std::size_t>;

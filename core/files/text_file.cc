@@ -107,30 +107,20 @@ Status CheckWritable(const std::string& path) {
   return CannotBeWritten(path, Reason(errno));
 }
 
-std::string_view TakeLine(std::string_view& text) {
-  const std::size_t end = text.find_first_of("\r\n");
-  const std::string_view line = text.substr(0, end);
-  if (end == std::string_view::npos) {
-    text = {};
-  } else {
-    text.remove_prefix(end + (text.substr(end).starts_with("\r\n") ? 2 : 1));
-  }
-  return line;
-}
-
 TextPlace PlaceAt(std::string_view text, std::size_t offset) {
-  std::string_view rest = text;
   TextPlace place;
-  for (;; ++place.line) {
-    const std::size_t start = text.size() - rest.size();
-    const std::string_view line = TakeLine(rest);
-    const std::size_t next = text.size() - rest.size();
-    if (offset >= next && next > start + line.size()) continue;  // beyond the end of this line
-    const std::string_view before = line.substr(0, std::min(offset - start, line.size()));
-    const auto begins = [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80; };
-    place.column += static_cast<std::size_t>(std::count_if(before.begin(), before.end(), begins));
-    return place;
+  std::size_t start = 0;
+  const std::size_t end = std::min(offset, text.size());
+  for (std::size_t at = 0; at < end; ++at) {
+    if (text[at] != '\n' && (text[at] != '\r' || text.substr(at + 1, 1) == "\n")) continue;
+    ++place.line;
+    start = at + 1;
   }
+  std::string_view before = text.substr(start, end - start);
+  if (before.ends_with('\r')) before.remove_suffix(1);  // between the two of CRLF
+  const auto begins = [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80; };
+  place.column += static_cast<std::size_t>(std::count_if(before.begin(), before.end(), begins));
+  return place;
 }
 
 OutputFile::OutputFile(std::string path)

@@ -25,11 +25,8 @@ Status WriteTextFile(const std::string& path, std::string_view text);
 // changes nothing. kInvalidOption with the path and the reason.
 Status CheckWritable(const std::string& path);
 
-// Cuts the first line off a text that is not empty; its end (LF, CRLF or CR) goes with it and is not
-// part of the answer.
-std::string_view TakeLine(std::string_view& text);
-
-// A place in a text as editors count: both from 1, columns in characters.
+// A place in a text as editors count: both from 1, columns in characters. Lines end with LF, CRLF or
+// CR.
 struct TextPlace {
   std::size_t line = 1, column = 1;
 

@@ -1,7 +1,8 @@
 #include "core/files/track.h"
 
 #include <algorithm>
-#include <iterator>
+#include <string_view>
+#include <unordered_set>
 #include <utility>
 
 namespace arap {
@@ -24,41 +25,58 @@ std::vector<Handle> ToHandles(const Track& track, bool hard) {
   return ToHandles(track, track.handles, hard);
 }
 
-std::vector<TrackSegment> SegmentsOf(const Track& track) {
-  std::vector<TrackSegment> segments(1);
-  std::size_t number = 0;
-  const auto append = [&](const std::vector<TrackHandle>& entries) {
-    for (const TrackHandle& entry : entries) {
-      segments.back().ids.push_back(entry.handle.id);
-      segments.back().numbers.push_back(number++);
-    }
-  };
-  append(track.handles);
-  for (const TrackEdit& edit : track.edits) {
-    if (edit.frame > 0) {
-      TrackSegment next = segments.back();
-      segments.back().end = next.first = edit.frame;
-      segments.push_back(std::move(next));
-    }
-    TrackSegment& segment = segments.back();
-    segment.edit = &edit;
-    for (const std::string& id : edit.remove) {
-      const auto found = std::find(segment.ids.begin(), segment.ids.end(), id);
-      if (found == segment.ids.end()) continue;
-      segment.numbers.erase(segment.numbers.begin() + (found - segment.ids.begin()));
-      segment.ids.erase(found);
-    }
-    append(edit.add);
-  }
-  segments.back().end = track.frames.size();
-  return segments;
+const TrackEdit* EditBefore(const Track& track, std::size_t frame) {
+  const auto edit =
+      std::lower_bound(track.edits.begin(), track.edits.end(), frame,
+                       [](const TrackEdit& each, std::size_t f) { return each.frame < f; });
+  return edit != track.edits.end() && edit->frame == frame ? &*edit : nullptr;
 }
 
-const TrackSegment& SegmentAt(std::span<const TrackSegment> segments, std::size_t frame) {
-  const auto next = std::upper_bound(
-      segments.begin() + 1, segments.end(), frame,
-      [](std::size_t f, const TrackSegment& segment) { return f < segment.first; });
-  return *std::prev(next);
+TrackSegments::TrackSegments(const Track& track) : track_(track) {
+  Append(track.handles);
+  segment_.end = track.frames.size();
+  if (track.edits.empty()) return;
+  if (track.edits.front().frame == 0) {
+    Edit();
+  } else {
+    segment_.end = track.edits.front().frame;
+  }
+}
+
+bool TrackSegments::Next() {
+  if (edits_ == track_.edits.size()) return false;
+  Edit();
+  return true;
+}
+
+const TrackSegment& TrackSegments::At(std::size_t frame) {
+  while (frame >= segment_.end && Next()) {
+  }
+  return segment_;
+}
+
+void TrackSegments::Append(const std::vector<TrackHandle>& entries) {
+  for (const TrackHandle& entry : entries) {
+    segment_.ids.push_back(entry.handle.id);
+    segment_.numbers.push_back(number_++);
+  }
+}
+
+void TrackSegments::Edit() {
+  const TrackEdit& edit = track_.edits[edits_++];
+  segment_.edit = &edit;
+  segment_.first = edit.frame;
+  segment_.end = edits_ < track_.edits.size() ? track_.edits[edits_].frame : track_.frames.size();
+  std::unordered_set<std::string_view> removed(edit.remove.begin(), edit.remove.end());
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < segment_.ids.size(); ++k) {
+    if (!removed.empty() && removed.erase(segment_.ids[k]) > 0) continue;
+    if (kept < k) segment_.ids[kept] = std::move(segment_.ids[k]);
+    segment_.numbers[kept++] = segment_.numbers[k];
+  }
+  segment_.ids.resize(kept);
+  segment_.numbers.resize(kept);
+  Append(edit.add);
 }
 
 }  // namespace arap

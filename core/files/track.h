@@ -46,6 +46,9 @@ std::vector<Handle> ToHandles(const Track& track, bool hard);
 // Those that an edit of the track adds.
 std::vector<Handle> ToHandles(const Track& track, std::span<const TrackHandle> entries, bool hard);
 
+// The edit that is done before a frame, or null.
+const TrackEdit* EditBefore(const Track& track, std::size_t frame);
+
 // Frames that have the same handles.
 struct TrackSegment {
   std::size_t first = 0, end = 0;    // its frames
@@ -54,9 +57,28 @@ struct TrackSegment {
   std::vector<std::size_t> numbers;  // of the handles, counted through `handles` and every `add`
 };
 
-// The track cut at its edits, at least one segment. Without edits it is all frames.
-std::vector<TrackSegment> SegmentsOf(const Track& track);
-// The one of them that has the frame.
-const TrackSegment& SegmentAt(std::span<const TrackSegment> segments, std::size_t frame);
+// Goes through a track, which its edits cut into segments; without edits it is one. There is one at a
+// time, since many edits of many handles are far more than the track. Refers to the track. A step
+// costs O(handles).
+class TrackSegments {
+ public:
+  // At the first one.
+  explicit TrackSegments(const Track& track);
+
+  const TrackSegment& segment() const { return segment_; }
+  // Goes on to the next one; false at the end.
+  bool Next();
+  // The one that has the frame, which is not before this one.
+  const TrackSegment& At(std::size_t frame);
+
+ private:
+  void Append(const std::vector<TrackHandle>& entries);
+  void Edit();  // does the next one
+
+  const Track& track_;
+  TrackSegment segment_;
+  std::size_t edits_ = 0;   // that are done
+  std::size_t number_ = 0;  // of the next handle
+};
 
 }  // namespace arap

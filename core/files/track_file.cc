@@ -20,23 +20,24 @@
 namespace arap {
 namespace {
 
-using Json = nlohmann::ordered_json;
+constexpr std::size_t kMaxTrackHandles = 100'000;  // far beyond what a server takes
+constexpr std::size_t kMissingTargets = 65'536;    // and one more for every eight characters
 
 // The member when it is there, else null. Never throws, whatever `object` is.
-const Json& Member(const Json& object, const char* name) {
-  static const Json* const kNull = new Json;
+const JsonValue& Member(const JsonValue& object, const char* name) {
+  static const JsonValue* const kNull = new JsonValue;
   if (!object.is_object()) return *kNull;
   const auto found = object.find(name);
   return found == object.end() ? *kNull : *found;
 }
 
 // The element when there are so many, else null.
-const Json& ElementOf(const Json& array, std::size_t index) {
-  static const Json* const kNull = new Json;
+const JsonValue& ElementOf(const JsonValue& array, std::size_t index) {
+  static const JsonValue* const kNull = new JsonValue;
   return array.is_array() && index < array.size() ? array[index] : *kNull;
 }
 
-bool ReadNumbers(const Json& array, std::size_t count, double* out) {
+bool ReadNumbers(const JsonValue& array, std::size_t count, double* out) {
   if (!array.is_array() || array.size() != count) return false;
   for (std::size_t i = 0; i < count; ++i) {
     if (!array[i].is_number()) return false;
@@ -45,29 +46,29 @@ bool ReadNumbers(const Json& array, std::size_t count, double* out) {
   return true;
 }
 
-bool ReadPoint(const Json& array, Complex& out) {
+bool ReadPoint(const JsonValue& array, Complex& out) {
   std::array<double, 2> xy{};
   if (!ReadNumbers(array, 2, xy.data())) return false;
   out = {xy[0], xy[1]};
   return true;
 }
 
-bool ReadIndex(const Json& number, std::uint32_t& out) {
+bool ReadIndex(const JsonValue& number, std::uint32_t& out) {
   if (!number.is_number_unsigned() || number.get<std::uint64_t>() > UINT32_MAX) return false;
   out = number.get<std::uint32_t>();
   return true;
 }
 
 // Optional members: false when one is there and is something else.
-bool ReadOptional(const Json& value, double& out) {
+bool ReadOptional(const JsonValue& value, double& out) {
   if (value.is_number()) out = value.get<double>();
   return value.is_null() || value.is_number();
 }
-bool ReadOptional(const Json& value, bool& out) {
+bool ReadOptional(const JsonValue& value, bool& out) {
   if (value.is_boolean()) out = value.get<bool>();
   return value.is_null() || value.is_boolean();
 }
-bool ReadOptional(const Json& value, Outside& out) {
+bool ReadOptional(const JsonValue& value, Outside& out) {
   bool snap = false;
   const bool good = ReadOptional(value, snap);
   if (snap) out = Outside::kSnap;
@@ -75,10 +76,10 @@ bool ReadOptional(const Json& value, Outside& out) {
 }
 
 // The fields beside name and anchor; each may be missing.
-bool ReadFields(const Json& json, TrackHandle& out) {
+bool ReadFields(const JsonValue& json, TrackHandle& out) {
   out.own_weight = Member(json, "weight").is_number();
   return std::ranges::all_of(kHandleFields, [&](const HandleField& field) {
-    const Json& value = Member(json, field.name);
+    const JsonValue& value = Member(json, field.name);
     return std::visit([&](auto member) { return ReadOptional(value, out.handle.*member); },
                       field.member);
   });
@@ -90,27 +91,21 @@ class TrackReader {
   TrackReader(std::string_view text, const std::string& name) : text_(text), name_(name) {}
 
   Result<Track> Read() {
-    TRY(const Json json, ParseJson(text_, name_));
-    const Json& handles = Member(json, "handles");
-    const Json& frames = Member(json, "frames");
+    TRY(JsonValue json, ParseJson(text_, name_));
     if (!json.is_object()) return Bad({}, "not a JSON object");
-    if (!handles.is_array() || !frames.is_array()) {
+    if (!Member(json, "handles").is_array() || !Member(json, "frames").is_array()) {
       return Bad({}, "a track needs the arrays \"handles\" and \"frames\"");
     }
     if (Member(json, "mesh").is_string()) track_.mesh = Member(json, "mesh").get<std::string>();
-    if (const Json& weight = Member(json, "w"); weight.is_number()) {
+    if (const JsonValue& weight = Member(json, "w"); weight.is_number()) {
       track_.row_weight = weight.get<double>();
     }
     CHECK_OK(ReadRigidity(Member(json, "rigidity")));
-    for (const Json& entry : handles) {
-      const std::size_t k = track_.handles.size();
-      TRY(TrackHandle handle, ReadHandle(entry, {"handles", k}, fmt::format("handle {}", k), k));
-      track_.handles.push_back(std::move(handle));
-    }
+    CHECK_OK(ReadHandles(Member(json, "handles")));
     CHECK_OK(ReadEdits(Member(json, "edits")));
-    track_.frames.resize(frames.size());
+    track_.frames.resize(Member(json, "frames").size());
     CHECK_OK(CheckEdits());
-    CHECK_OK(ReadFrames(frames));
+    CHECK_OK(ReadFrames(std::move(json["frames"])));
     return std::move(track_);
   }
 
@@ -121,18 +116,34 @@ class TrackReader {
     return Fail(FaultKind::kInvalidOption, JsonPlace(text_, name_, steps) + ": " + message);
   }
 
-  Status ReadRigidity(const Json& rigidity) {
+  Status ReadRigidity(const JsonValue& rigidity) {
     if (rigidity.is_null()) return {};
     track_.rigidity.resize(rigidity.size());
     if (ReadNumbers(rigidity, rigidity.size(), track_.rigidity.data())) return {};
     return Bad({"rigidity"}, "\"rigidity\" is not an array of numbers");
   }
 
+  Status ReadHandles(const JsonValue& handles) {
+    CHECK_OK(CheckCount(handles.size(), {"handles"}));
+    track_.handles.reserve(handles.size());
+    for (const JsonValue& entry : handles) {
+      const std::size_t k = track_.handles.size();
+      TRY(TrackHandle handle, ReadHandle(entry, {"handles", k}, fmt::format("handle {}", k), k));
+      track_.handles.push_back(std::move(handle));
+    }
+    return {};
+  }
+
+  Status CheckCount(std::size_t handles, const Steps& steps) const {
+    if (handles <= kMaxTrackHandles) return {};
+    return Bad(steps, fmt::format("{} handles; a track may have {}", handles, kMaxTrackHandles));
+  }
+
   // `number` names a handle without a name, `what` is the handle in faults.
-  Result<TrackHandle> ReadHandle(const Json& json, const Steps& steps, const std::string& what,
+  Result<TrackHandle> ReadHandle(const JsonValue& json, const Steps& steps, const std::string& what,
                                  std::size_t number) const {
     TrackHandle out;
-    const Json& name = Member(json, "name");
+    const JsonValue& name = Member(json, "name");
     out.handle.id = name.is_string() ? name.get<std::string>() : fmt::format("h{}", number);
     if (!ReadPoint(Member(json, "rest"), out.rest)) {
       return Bad(steps, what + " needs \"rest\": [x, y]");
@@ -162,9 +173,9 @@ class TrackReader {
   }
 
   // `number` is that of the first handle that it adds.
-  Result<TrackEdit> ReadEdit(const Json& json, std::size_t index, std::size_t number) const {
-    const Json& remove = Member(json, "remove");
-    const Json& add = Member(json, "add");
+  Result<TrackEdit> ReadEdit(const JsonValue& json, std::size_t index, std::size_t number) const {
+    const JsonValue& remove = Member(json, "remove");
+    const JsonValue& add = Member(json, "add");
     const auto bad = [&](const char* what) {
       return Bad({"edits", index}, fmt::format("edit {}{}", index, what));
     };
@@ -176,11 +187,11 @@ class TrackReader {
     if (!(remove.is_null() || remove.is_array()) || !(add.is_null() || add.is_array())) {
       return bad(": \"remove\" and \"add\" are arrays");
     }
-    for (const Json& id : remove) {
+    for (const JsonValue& id : remove) {
       if (!id.is_string()) return bad(": \"remove\" has names");
       edit.remove.push_back(id.get<std::string>());
     }
-    for (const Json& entry : add) {
+    for (const JsonValue& entry : add) {
       const std::size_t k = edit.add.size();
       TRY(TrackHandle handle, ReadHandle(entry, {"edits", index, "add", k},
                                          fmt::format("edit {}: handle {}", index, k), number + k));
@@ -189,12 +200,13 @@ class TrackReader {
     return edit;
   }
 
-  Status ReadEdits(const Json& edits) {
+  Status ReadEdits(const JsonValue& edits) {
     if (!edits.is_null() && !edits.is_array()) return Bad({"edits"}, "\"edits\" is not an array");
     std::size_t number = track_.handles.size();
-    for (const Json& entry : edits) {
+    for (const JsonValue& entry : edits) {
       TRY(TrackEdit edit, ReadEdit(entry, track_.edits.size(), number));
       number += edit.add.size();
+      CHECK_OK(CheckCount(number, {"edits", track_.edits.size(), "add"}));
       track_.edits.push_back(std::move(edit));
     }
     return {};
@@ -223,17 +235,17 @@ class TrackReader {
     return {};
   }
 
-  Status ReadFrames(const Json& frames) {
-    const std::vector<TrackSegment> segments = SegmentsOf(track_);
+  // Each is given back when it is read.
+  Status ReadFrames(JsonValue frames) {
     const auto start_at_rest = [&](const std::vector<TrackHandle>& entries) {
       for (const TrackHandle& entry : entries) last_.push_back({entry.rest});
     };
     start_at_rest(track_.handles);
     for (const TrackEdit& edit : track_.edits) start_at_rest(edit.add);
-    for (const TrackSegment& segment : segments) {
-      for (std::size_t i = segment.first; i < segment.end; ++i) {
-        TRY(track_.frames[i], ReadFrame(frames[i], i, segment));
-      }
+    TrackSegments segments(track_);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      TRY(track_.frames[i], ReadFrame(frames[i], i, segments.At(i)));
+      frames[i] = nullptr;
     }
     if (kept_ > 0) {
       track_.warnings.push_back(
@@ -247,33 +259,35 @@ class TrackReader {
     return {};
   }
 
-  Result<TrackFrame> ReadFrame(const Json& json, std::size_t index, const TrackSegment& segment) {
+  Result<TrackFrame> ReadFrame(const JsonValue& json, std::size_t index,
+                               const TrackSegment& segment) {
     const std::size_t count = segment.ids.size();
     TrackFrame frame;
-    const Json& kind = Member(json, "kind");
+    const JsonValue& kind = Member(json, "kind");
     if (kind.is_string()) frame.kind = kind.get<std::string>();
-    const Json& targets = Member(json, "targets");
+    const JsonValue& targets = Member(json, "targets");
     if (!targets.is_array() || targets.size() > count) {
       return Bad({"frames", index, "targets"},
                  fmt::format("frame {} needs \"targets\" with a pair or null for each of {} "
                              "handles",
                              index, count));
     }
-    const Json& angles = Member(json, "angles");
-    const Json& scales = Member(json, "scales");
+    const JsonValue& angles = Member(json, "angles");
+    const JsonValue& scales = Member(json, "scales");
     for (const auto& [name, list] : {std::pair("angles", &angles), std::pair("scales", &scales)}) {
       if (list->is_null() || (list->is_array() && list->size() <= count)) continue;
       return Bad({"frames", index, name},
                  fmt::format("frame {}: angles and scales have one number per handle", index));
     }
+    frame.targets.reserve(count);
     for (std::size_t k = 0; k < count; ++k) {
       Target& target = last_[segment.numbers[k]];
       // A list that ends early costs nothing to write, so that a short text could ask for any amount.
-      if (k >= targets.size() && ++missing_ > text_.size()) {
+      if (k >= targets.size() && ++missing_ > kMissingTargets + text_.size() / 8) {
         return Bad({"frames", index, "targets"},
-                   fmt::format("frame {}: more targets are missing than the text has characters; "
+                   fmt::format("frame {}: more than {} targets are missing at the ends of lists; "
                                "write null for each",
-                               index));
+                               index, missing_ - 1));
       }
       bool kept = ElementOf(targets, k).is_null();
       if (!kept) {
@@ -284,8 +298,8 @@ class TrackReader {
                      fmt::format("frame {}: target {} is neither [x, y] nor null", index, k));
         }
       }
-      const auto read = [&](const char* name, const Json& list, double& out) -> Status {
-        const Json& entry = ElementOf(list, k);
+      const auto read = [&](const char* name, const JsonValue& list, double& out) -> Status {
+        const JsonValue& entry = ElementOf(list, k);
         if (entry.is_null() && !list.is_null()) kept = true;
         if (ReadOptional(entry, out)) return {};
         return Bad(

@@ -78,7 +78,9 @@ Track EditedTrack() {
 
 // A track without edits that has the handles and the frames of one segment.
 Track Alone(const Track& track, std::size_t index) {
-  const TrackSegment segment = SegmentsOf(track)[index];
+  TrackSegments segments(track);
+  for (std::size_t i = 0; i < index; ++i) segments.Next();
+  const TrackSegment& segment = segments.segment();
   std::vector<TrackHandle> all = track.handles;
   for (const TrackEdit& edit : track.edits) {
     all.insert(all.end(), edit.add.begin(), edit.add.end());

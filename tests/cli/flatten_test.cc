@@ -267,7 +267,7 @@ TEST_F(FlattenCommand, FilesThatAreWrongAreNamedWithTheirLine) {
   EXPECT_EQ(pins.code, 3);
   EXPECT_THAT(pins.err,
               HasSubstr("--pins " + Path("pins.txt") + ":2: vertex 226: the surface has 225"));
-  Put("seams.txt", "1 2 3\nback\n");
+  Put("seams.txt", "1 2 3\n4\n");
   const Outcome seams = Arapctl({"flatten", Path("rolled.obj"), "--spawn", "--seams",
                                  Path("seams.txt"), "--out", Path("flat.obj")});
   EXPECT_EQ(seams.code, 3);

@@ -127,13 +127,15 @@ Result<Reply> BakeTrack(const StageOptions& options) {
       progress.Step();
       return {};
     };
-    for (const TrackSegment& segment : SegmentsOf(track)) {
+    TrackSegments segments(track);
+    do {
+      const TrackSegment& segment = segments.segment();
       if (segment.edit != nullptr) {
         TRY(const EditTimes edited, baker.Edit(*segment.edit));
         edits.push_back(edited);
       }
       CHECK_OK(baker.Bake(segment, on_shape));
-    }
+    } while (segments.Next());
   }
   CHECK_OK(shapes.Close());
   const double mean_solve =

@@ -112,7 +112,6 @@ DragScript::DragScript(const Stage& stage, bool hard, std::vector<Complex> pick_
       track_(stage.track()),
       hard_(hard),
       pick_points_(std::move(pick_points)),
-      segments_(SegmentsOf(track_)),
       packed_(track_.edits.empty() &&
               std::all_of(track_.frames.begin(), track_.frames.end(), IsPlain)) {}
 
@@ -125,18 +124,14 @@ std::vector<Origin> DragScript::OriginsOf(const DragCue& cue) const {
           stage_.InTrack("remove", "the name", {"edits", number, "remove"})};
 }
 
-const TrackEdit* DragScript::EditAt(std::size_t frame) const {
-  const TrackSegment& segment = SegmentAt(segments_, frame);
-  return segment.first == frame ? segment.edit : nullptr;
-}
-
 Status DragScript::SendEdit(client::DeformStream& stream, std::size_t frame) const {
   const TrackEdit* const edit = EditAt(frame);
   if (edit == nullptr) return {};
   return stream.Edit(EditSequence(frame), edit->remove, ToHandles(track_, edit->add, hard_));
 }
 
-Status DragScript::SendUpdate(client::DeformStream& stream, std::size_t frame) const {
+Status DragScript::SendUpdate(client::DeformStream& stream, std::size_t frame,
+                              TrackSegments& segments) const {
   client::HandleUpdate update;
   update.sequence = UpdateSequence(frame);
   if (frame + 1 == frame_count()) update.pick_points = pick_points_;
@@ -146,7 +141,7 @@ Status DragScript::SendUpdate(client::DeformStream& stream, std::size_t frame) c
     return stream.Send(update);
   }
   // By id: whatever order an edit leaves the handles in, each goes where the frame says.
-  const std::vector<std::string>& ids = SegmentAt(segments_, frame).ids;
+  const std::vector<std::string>& ids = segments.At(frame).ids;
   for (std::size_t k = 0; k < ids.size(); ++k) {
     update.targets.push_back({ids[k], targets[k]});
   }
@@ -164,20 +159,20 @@ Result<DragTimes> DragEvery(client::DeformStream& stream, const DragScript& scri
                             const OnShape& on_shape) {
   DragTimes times;
   Answers answers(stream, script);
-  // A failed send is explained by the read.
-  const auto ask = [&](std::size_t frame, auto send) -> Status {
+  TrackSegments segments(script.track());
+  const auto ask = [&](std::size_t frame, bool edit) -> Status {
     const Clock::time_point sent = Clock::now();
-    (void)(script.*send)(stream, frame);
+    // A failed send is explained by the read.
+    (void)(edit ? script.SendEdit(stream, frame) : script.SendUpdate(stream, frame, segments));
     TRY(std::optional<Answer> answer, answers.Next());
     if (!answer) return EndedEarly();
-    const bool edit = send == &DragScript::SendEdit;
     if (answer->cue.frame != frame || answer->cue.edit != edit) return NotAsked();
     return Count(*answer, MicrosSince(sent), script, on_shape, times);
   };
   for (std::size_t i = 0; i < script.frame_count(); ++i) {
-    if (script.EditAt(i) != nullptr) CHECK_OK(ask(i, &DragScript::SendEdit));
+    if (script.EditAt(i) != nullptr) CHECK_OK(ask(i, /*edit=*/true));
     ++times.sent;
-    CHECK_OK(ask(i, &DragScript::SendUpdate));
+    CHECK_OK(ask(i, /*edit=*/false));
   }
   return times;
 }
@@ -193,11 +188,14 @@ Result<DragTimes> DragLatest(client::DeformStream& stream, const DragScript& scr
   const std::jthread writer([&](const std::stop_token& stop) {
     std::mutex mutex;
     std::condition_variable_any wake;  // by the stop alone
+    TrackSegments segments(script.track());
     for (std::size_t i = 0; i < script.frame_count() && !stop.stop_requested(); ++i) {
       std::unique_lock lock(mutex);
       wake.wait_until(lock, stop, due(i), [] { return false; });
-      if (stop.stop_requested() || !script.SendEdit(stream, i) || !script.SendUpdate(stream, i))
+      if (stop.stop_requested() || !script.SendEdit(stream, i) ||
+          !script.SendUpdate(stream, i, segments)) {
         break;
+      }
     }
     (void)stream.CloseSending();
   });

@@ -32,11 +32,14 @@ class DragScript {
   std::size_t frame_count() const { return track_.frames.size(); }
   const std::vector<Complex>& pick_points() const { return pick_points_; }
 
+  const Track& track() const { return track_; }
+
   // The edit before a frame, or null.
-  const TrackEdit* EditAt(std::size_t frame) const;
+  const TrackEdit* EditAt(std::size_t frame) const { return EditBefore(track_, frame); }
   // Sends it; nothing where there is none.
   Status SendEdit(client::DeformStream& stream, std::size_t frame) const;
-  Status SendUpdate(client::DeformStream& stream, std::size_t frame) const;
+  // `segments` are those of the track, not beyond the frame.
+  Status SendUpdate(client::DeformStream& stream, std::size_t frame, TrackSegments& segments) const;
 
   // Empty for a sequence that this script does not send.
   std::optional<DragCue> CueOf(std::uint64_t sequence) const;
@@ -48,7 +51,6 @@ class DragScript {
   const Track& track_;
   bool hard_;
   std::vector<Complex> pick_points_;
-  std::vector<TrackSegment> segments_;
   bool packed_;  // no frame turns or scales a handle: updates are positions alone
 };
 

@@ -1,10 +1,9 @@
 #include "client/cli/commands/flatten_inputs.h"
 
-#include <charconv>
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <optional>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -18,74 +17,72 @@
 namespace arap::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
-using Words = std::vector<std::string>;
 using Edges = std::vector<std::array<std::uint32_t, 2>>;
 
 auto Bad(std::string message) { return Fail(FaultKind::kInvalidOption, std::move(message)); }
 
-// The whole word as a number.
-template <class Number>
-std::optional<Number> ParseNumber(std::string_view word) {
-  Number number{};
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return number;
-}
-
-std::optional<double> ParseFinite(std::string_view word) {
-  const std::optional<double> number = ParseNumber<double>(word);
-  return number && std::isfinite(*number) ? number : std::nullopt;
-}
-
 // A vertex that counts from 1.
-Result<std::uint32_t> ParseVertex(const std::string& word, std::size_t vertex_count) {
-  const auto number = ParseNumber<std::int64_t>(word);
-  if (!number) return Bad(fmt::format("'{}' is not the number of a vertex", word));
-  if (*number < 1) return Bad(fmt::format("vertex {}: vertices count from 1", *number));
-  if (static_cast<std::uint64_t>(*number) > vertex_count) {
-    return Bad(fmt::format("vertex {}: the surface has {}", *number, vertex_count));
+Result<std::uint32_t> ParseVertex(std::string_view word, std::size_t vertex_count) {
+  TRY(const std::int64_t number, ParseWhole(word));
+  if (number < 1) return Bad(fmt::format("vertex {}: vertices count from 1", number));
+  if (static_cast<std::uint64_t>(number) > vertex_count) {
+    return Bad(fmt::format("vertex {}: the surface has {}", number, vertex_count));
   }
-  return static_cast<std::uint32_t>(*number - 1);
+  return static_cast<std::uint32_t>(number - 1);
 }
 
-auto NotFinite(const std::string& word) {
-  return Bad(fmt::format("'{}' is not a finite number{}", word,
-                         word.find(',') == std::string::npos ? "" : "; decimal comma?"));
-}
+// A line of a text: its words, one after the other, since there may be any number of them.
+class Line {
+ public:
+  Line(std::string_view first, TextScanner& scanner) : word_(first), scanner_(scanner) {}
 
-// Calls `read` with the number and the words of every line that has any.
+  // Empty behind the last one.
+  std::string_view word() const { return word_; }
+  void Next() { word_ = scanner_.Word(); }
+  // How many there are from this one on. Goes to the end.
+  std::size_t Count() {
+    std::size_t count = 0;
+    for (; !word_.empty(); Next()) ++count;
+    return count;
+  }
+
+ private:
+  std::string_view word_;
+  TextScanner& scanner_;
+};
+
+// Calls `read` with the number of every line that has words, and with these.
 Status ReadLines(std::string_view text,
-                 const std::function<Status(std::size_t number, const Words& words)>& read) {
+                 const std::function<Status(std::size_t number, Line& line)>& read) {
   TextScanner scanner(text);
   do {
-    Words words;
-    for (auto word = scanner.Word(); !word.empty(); word = scanner.Word()) words.emplace_back(word);
-    if (!words.empty()) CHECK_OK(read(scanner.line(), words));
+    Line line(scanner.Word(), scanner);
+    if (!line.word().empty()) CHECK_OK(read(scanner.line(), line));
   } while (scanner.NextLine());
   return {};
 }
 
-// The same with the words alone; the fault of `read` gets the number of the line.
+// The same with the line alone; the fault of `read` gets its number.
 Status ReadLines(std::string_view text, const std::string& name,
-                 const std::function<Status(const Words&)>& read) {
-  return ReadLines(text, [&](std::size_t number, const Words& words) -> Status {
-    const Status good = read(words);
-    if (good) return {};
-    return Bad(fmt::format("{}:{}: {}", name, number, good.error().message));
+                 const std::function<Status(Line& line)>& read) {
+  CHECK_OK(CheckText(text, name));
+  return ReadLines(text, [&](std::size_t number, Line& line) -> Status {
+    const Status good = read(line);
+    return good ? Status() : FailAt(name, number, good.error().message);
   });
 }
 
 // The line with an entry, where a line of so many words has `entries` of them.
 std::string PlaceOfEntry(std::string_view text, const std::string& name, std::size_t entry,
                          std::size_t (*entries)(std::size_t words)) {
-  std::size_t line = 0, before = 0;
-  (void)ReadLines(text, [&](std::size_t number, const Words& words) -> Status {
-    if (line == 0 && entry < before + entries(words.size())) line = number;
-    before += entries(words.size());
+  std::size_t found = 0, before = 0;
+  (void)ReadLines(text, [&](std::size_t number, Line& line) -> Status {
+    const std::size_t after = before + entries(line.Count());
+    if (found == 0 && entry < after) found = number;
+    before = after;
     return {};
   });
-  return fmt::format("{}:{}", name, line);
+  return fmt::format("{}:{}", name, found);
 }
 
 std::size_t One(std::size_t /*words*/) { return 1; }
@@ -96,7 +93,7 @@ bool IsJson(std::string_view text) {
 }
 
 // An element of the list, which is all of the text or in "cut_edges".
-std::string PlaceOfElement(std::string_view text, const std::string& name, const Json& json,
+std::string PlaceOfElement(std::string_view text, const std::string& name, const JsonValue& json,
                            std::size_t element) {
   return json.is_object() ? JsonPlace(text, name, {"cut_edges", element})
                           : JsonPlace(text, name, {element});
@@ -104,17 +101,18 @@ std::string PlaceOfElement(std::string_view text, const std::string& name, const
 
 Result<Edges> ParseJsonSeams(const std::string& text, const std::string& name,
                              std::size_t vertex_count) {
-  TRY(const Json json, ParseJson(text, name));
+  TRY(const JsonValue json, ParseJson(text, name));
   const auto cut_edges = json.is_object() ? json.find("cut_edges") : json.end();
-  const Json& list = cut_edges != json.end() ? *cut_edges : json;
+  const JsonValue& list = cut_edges != json.end() ? *cut_edges : json;
   if (!list.is_array()) return Bad(name + ": neither a list of edges nor one in \"cut_edges\"");
   const bool pairs = !list.empty() && list.front().is_array();
   if (!pairs && list.size() % 2 != 0) {
     return Bad(fmt::format("{}: {} vertices do not make pairs", name, list.size()));
   }
   std::vector<std::uint32_t> seams;
+  seams.reserve(pairs ? 2 * list.size() : list.size());
   std::string fault;
-  const auto add = [&](const Json& vertex) {
+  const auto add = [&](const JsonValue& vertex) {
     if (!vertex.is_number_unsigned() || vertex.get<std::uint64_t>() >= vertex_count) {
       if (fault.empty()) {
         fault = fmt::format("{} is not a vertex: they go from 0 to {}", vertex.dump(),
@@ -128,7 +126,7 @@ Result<Edges> ParseJsonSeams(const std::string& text, const std::string& name,
     if (!pairs) {
       add(list[i]);
     } else if (list[i].is_array() && list[i].size() == 2) {
-      for (const Json& vertex : list[i]) add(vertex);
+      for (const JsonValue& vertex : list[i]) add(vertex);
     } else {
       fault = list[i].dump() + " is not a pair of vertices";
     }
@@ -147,10 +145,11 @@ Status CheckRigidity(double rigidity) {
 }
 
 Result<std::vector<double>> ParseJsonRigidity(const std::string& text, const std::string& name) {
-  TRY(const Json json, ParseJson(text, name));
+  TRY(const JsonValue json, ParseJson(text, name));
   if (!json.is_array()) return Bad(name + ": not an array of numbers");
   std::vector<double> rigidity;
-  for (const Json& element : json) {
+  rigidity.reserve(json.size());
+  for (const JsonValue& element : json) {
     const Status good = element.is_number() ? CheckRigidity(element.get<double>())
                                             : Bad(element.dump() + " is not a number");
     if (!good) {
@@ -165,12 +164,12 @@ Result<std::vector<double>> ParseJsonRigidity(const std::string& text, const std
 
 Result<std::vector<double>> ParseRigidityLines(const std::string& text, const std::string& name) {
   std::vector<double> rigidity;
-  CHECK_OK(ReadLines(text, name, [&](const Words& words) -> Status {
-    if (words.size() > 1) {
-      return Bad(fmt::format("a line has one rigidity, these are {} words", words.size()));
+  CHECK_OK(ReadLines(text, name, [&](Line& line) -> Status {
+    const Result<double> number = ParseNumber(line.word());
+    if (const std::size_t words = line.Count(); words > 1) {
+      return Bad(fmt::format("a line has one rigidity, these are {} words", words));
     }
-    const std::optional<double> number = ParseFinite(words[0]);
-    if (!number) return NotFinite(words[0]);
+    if (!number) return Fail(number.error());
     rigidity.push_back(*number);
     return CheckRigidity(*number);
   }));
@@ -183,12 +182,13 @@ Result<Edges> ParseSeams(const std::string& text, const std::string& name,
                          std::size_t vertex_count) {
   if (IsJson(text)) return ParseJsonSeams(text, name, vertex_count);
   Edges seams;
-  CHECK_OK(ReadLines(text, name, [&](const Words& words) -> Status {
-    if (words.size() < 2) return Bad("a seam goes from one vertex to another");
-    std::optional<std::uint32_t> last;
-    for (const std::string& word : words) {
-      TRY(const std::uint32_t vertex, ParseVertex(word, vertex_count));
-      if (last) seams.push_back({*last, vertex});
+  CHECK_OK(ReadLines(text, name, [&](Line& line) -> Status {
+    TRY(std::uint32_t last, ParseVertex(line.word(), vertex_count));
+    line.Next();
+    if (line.word().empty()) return Bad("a seam goes from one vertex to another");
+    for (; !line.word().empty(); line.Next()) {
+      TRY(const std::uint32_t vertex, ParseVertex(line.word(), vertex_count));
+      seams.push_back({last, vertex});
       last = vertex;
     }
     return {};
@@ -199,17 +199,19 @@ Result<Edges> ParseSeams(const std::string& text, const std::string& name,
 Result<std::vector<UvPin>> ParsePins(const std::string& text, const std::string& name,
                                      std::size_t vertex_count) {
   std::vector<UvPin> pins;
-  CHECK_OK(ReadLines(text, name, [&](const Words& words) -> Status {
-    if (words.size() < 3 || words.size() > 4) {
-      return Bad(fmt::format("a pin is 'vertex u v [weight]', these are {} words", words.size()));
+  CHECK_OK(ReadLines(text, name, [&](Line& line) -> Status {
+    std::array<std::string_view, 4> words;
+    std::size_t count = 0;
+    for (; count < words.size() && !line.word().empty(); line.Next()) words[count++] = line.word();
+    count += line.Count();
+    if (count < 3 || count > words.size()) {
+      return Bad(fmt::format("a pin is 'vertex u v [weight]', these are {} words", count));
     }
     UvPin pin;
     TRY(pin.vertex, ParseVertex(words[0], vertex_count));
     std::array<double, 3> numbers{};
-    for (std::size_t i = 1; i < words.size(); ++i) {
-      const std::optional<double> number = ParseFinite(words[i]);
-      if (!number) return NotFinite(words[i]);
-      numbers[i - 1] = *number;
+    for (std::size_t i = 1; i < count; ++i) {
+      TRY(numbers[i - 1], ParseNumber(words[i]));
     }
     pin.uv = {numbers[0], numbers[1]};
     pin.weight = numbers[2];
@@ -234,9 +236,9 @@ std::string PlaceOfSeam(const std::string& text, const std::string& name, std::s
   if (!IsJson(text)) {
     return PlaceOfEntry(text, name, edge, [](std::size_t words) { return words - 1; });
   }
-  const Result<Json> json = ParseJson(text, name);
+  const Result<JsonValue> json = ParseJson(text, name);
   if (!json) return name;
-  const Json& list = json->is_object() ? json->at("cut_edges") : *json;
+  const JsonValue& list = json->is_object() ? json->at("cut_edges") : *json;
   const bool pairs = list.front().is_array();
   return PlaceOfElement(text, name, *json, pairs ? edge : 2 * edge);
 }
@@ -254,7 +256,7 @@ std::string PlaceOfRigidity(const std::string& text, const std::string& name,
 std::uint32_t FirstVertexIn(const std::string& text) { return IsJson(text) ? 0 : 1; }
 
 Result<GrainLine> ParseGrain(const std::string& text) {
-  Words words;
+  std::vector<std::string> words;
   std::istringstream stream(text);
   for (std::string word; std::getline(stream, word, ',');) words.push_back(std::move(word));
   if (words.size() < 2 || words.size() > 3 || text.ends_with(',')) {
@@ -266,7 +268,7 @@ Result<GrainLine> ParseGrain(const std::string& text) {
     TRY(*ends[i], ParseVertex(words[i], UINT32_MAX));
   }
   if (words.size() == 3) {
-    const std::optional<double> angle = ParseFinite(words[2]);
+    const Result<double> angle = ParseNumber(words[2]);
     if (!angle) return Bad(fmt::format("'{}' is not an angle in degrees", words[2]));
     // Whole turns do not count, and what is left is exact.
     line.angle = std::fmod(*angle, 360.0) * (std::numbers::pi / 180);

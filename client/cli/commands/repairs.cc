@@ -1,21 +1,20 @@
 // The flags that mend a mesh before it is used.
-#include <charconv>
-#include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "client/cli/commands/commands.h"
+#include "core/files/text_scan.h"
 
 namespace arap::cli {
 namespace {
 
 // The whole word as a finite number of at least 0.
 bool ParseTolerance(const std::string& word, double& tolerance) {
-  const char* const end = word.data() + word.size();
-  const auto [stop, error] = std::from_chars(word.data(), end, tolerance);
-  return error == std::errc() && stop == end && std::isfinite(tolerance) && tolerance >= 0;
+  const Result<double> number = ParseNumber(word);
+  tolerance = number.value_or(0);
+  return number && tolerance >= 0;
 }
 
 }  // namespace

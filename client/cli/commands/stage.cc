@@ -168,10 +168,7 @@ Origin Stage::InTrack(std::string field, std::string entry, std::vector<JsonStep
 }
 
 FilmMaker::FilmMaker(const StageOptions& options, const Stage& stage)
-    : svg_(options.svg),
-      frames_svg_(options.frames_svg),
-      track_(stage.track()),
-      segments_(SegmentsOf(track_)) {
+    : svg_(options.svg), frames_svg_(options.frames_svg), track_(stage.track()), segments_(track_) {
   film_.triangles = stage.mesh().triangles;
 }
 
@@ -182,12 +179,12 @@ void FilmMaker::Add(std::size_t frame, std::vector<Complex> positions) {
   film_.numbers.push_back(frame);
 }
 
-std::vector<Complex> FilmMaker::HandlesAt(std::size_t frame) const {
+std::vector<Complex> FilmMaker::HandlesAt(std::size_t frame) {
   std::size_t count = track_.handles.size();
   for (const TrackEdit& edit : track_.edits) count += edit.add.size();
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::vector<Complex> handles(count, {kNone, kNone});
-  const std::vector<std::size_t>& numbers = SegmentAt(segments_, frame).numbers;
+  const std::vector<std::size_t>& numbers = segments_.At(frame).numbers;
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     handles[numbers[k]] = track_.frames[frame].targets[k].position;
   }

@@ -92,18 +92,19 @@ class FilmMaker {
  public:
   FilmMaker(const StageOptions& options, const Stage& stage);
 
+  // Frames in their order.
   void Add(std::size_t frame, std::vector<Complex> positions);
   // Writes the pictures that were asked for.
   Status Write(const std::string& caption);
 
  private:
   // Every handle that the track ever has; NaN where it is not there.
-  std::vector<Complex> HandlesAt(std::size_t frame) const;
+  std::vector<Complex> HandlesAt(std::size_t frame);
 
   std::string svg_;
   std::string frames_svg_;
   const Track& track_;
-  std::vector<TrackSegment> segments_;
+  TrackSegments segments_;
   Film film_;
 };
 

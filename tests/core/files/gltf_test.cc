@@ -362,10 +362,10 @@ TEST(Gltf, RepeatingAMeshHasALimit) {
   EXPECT_THAT(refused.error().message, HasSubstr("which is too much for a file of "));
 
   std::string many = R"(,"extras":[0)";
-  for (int k = 0; k < 400000; ++k) many += ",0";
+  for (int k = 0; k < 400000; ++k) many += ",[]";
   Parts wide;
   wide.more = many + "]";
-  EXPECT_EQ(wide.Read().error().message, "a.glb: the limit is 400000 values in JSON");
+  EXPECT_THAT(wide.Read().error().message, HasSubstr("so many short values take too much memory"));
   Parts deep;
   deep.more = R"(,"extras":)" + std::string(200000, '[') + std::string(200000, ']');
   EXPECT_THAT(deep.Read().error().message, HasSubstr("nested too deeply"));

@@ -12,7 +12,6 @@
 namespace arap {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 
 class Texts : public FolderTest {};
@@ -26,19 +25,6 @@ TEST_F(Texts, AByteOrderMarkIsPassedOver) {
   EXPECT_EQ(ReadTextFile(Put("c", "\xef\xbb\xbf")), "");
 }
 
-std::vector<std::string> LinesOf(std::string_view text) {
-  std::vector<std::string> lines;
-  while (!text.empty()) lines.emplace_back(TakeLine(text));
-  return lines;
-}
-
-TEST_F(Texts, LinesEndAsAnyProgramEndsThem) {
-  EXPECT_THAT(LinesOf("a\nb\r\nc\rd"), ElementsAre("a", "b", "c", "d"));
-  EXPECT_THAT(LinesOf("a\n"), ElementsAre("a"));
-  EXPECT_THAT(LinesOf("\r\r\n\n"), ElementsAre("", "", ""));
-  EXPECT_THAT(LinesOf(""), ElementsAre());
-}
-
 TEST_F(Texts, PlacesAreLinesAndCharacters) {
   struct Case {
     std::string_view text;
@@ -49,9 +35,11 @@ TEST_F(Texts, PlacesAreLinesAndCharacters) {
                                                    {"ab\ncd", 1, 1, 2},
                                                    {"ab\ncd", 2, 1, 3},
                                                    {"ab\ncd", 3, 2, 1},
+                                                   {"ab\r\ncd", 3, 1, 3},
                                                    {"ab\r\ncd", 4, 2, 1},
                                                    {"ab\rcd", 4, 2, 2},
                                                    {"ab\n", 3, 2, 1},
+                                                   {"\r\r\n\nab", 5, 4, 2},
                                                    {"ab", 99, 1, 3},
                                                    {"\xc3\xa4\xe2\x82\xacz", 5, 1, 3}}) {
     const TextPlace place = PlaceAt(c.text, c.offset);
@@ -76,6 +64,11 @@ TEST_F(Texts, JsonFaultsHaveLineAndColumn) {
   // Depth costs neither stack nor memory.
   EXPECT_EQ(JsonFault(std::string(1'000'000, '[')),
             "a.json:1:101: lists and objects are nested too deeply");
+  // Neither do values of a character.
+  std::string empties = "[";
+  while (empties.size() < 4'000'000) empties += "[],";
+  EXPECT_THAT(JsonFault(empties + "0]"), HasSubstr("so many short values take too much memory"));
+  EXPECT_EQ(JsonFault("[" + empties.substr(1, 30'000) + "0]"), "no fault");
   EXPECT_EQ(JsonFault(std::string(100, '[') + "\"\\\"[\"" + std::string(100, ']')), "no fault");
   // What was read is not said again at any length.
   EXPECT_LT(JsonFault("\"" + std::string(1'000'000, 'x')).size(), 200u);

@@ -1,3 +1,8 @@
+#include <algorithm>
+#include <cstring>
+#include <optional>
+
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "core/files/track_file.h"
@@ -20,6 +25,13 @@ constexpr const char* kTrack = R"({
              {"targets": [[2, 2], [0, 0], [-1, 1e-3]]}]})";
 
 Result<Track> Parse(std::string_view json) { return ParseTrack(json, "t.json"); }
+
+std::vector<TrackSegment> SegmentsOf(const Track& track) {
+  TrackSegments segments(track);
+  std::vector<TrackSegment> all{segments.segment()};
+  while (segments.Next()) all.push_back(segments.segment());
+  return all;
+}
 
 std::string Complaint(const std::string& text) {
   const Result<Track> track = Parse(text);
@@ -121,9 +133,14 @@ TEST(Track, EditsCutItIntoSegments) {
   // Another handle under the name of one that went.
   EXPECT_THAT(segments[2].ids, ElementsAre("h1", "h2", "a"));
   EXPECT_THAT(segments[2].numbers, ElementsAre(1, 2, 3));
-  EXPECT_EQ(&SegmentAt(segments, 1), &segments[0]);
-  EXPECT_EQ(&SegmentAt(segments, 2), &segments[1]);
-  EXPECT_EQ(&SegmentAt(segments, 3), &segments[2]);
+  TrackSegments walk(*track);
+  for (const auto& [frame, first] : {std::pair(1u, 0u), {2u, 2u}, {2u, 2u}, {3u, 3u}}) {
+    EXPECT_EQ(walk.At(frame).first, first);
+  }
+  EXPECT_EQ(TrackSegments(*track).At(3).first, 3u);
+  EXPECT_EQ(EditBefore(*track, 1), nullptr);
+  EXPECT_EQ(EditBefore(*track, 2), &track->edits[0]);
+  EXPECT_EQ(EditBefore(*track, 4), nullptr);
   EXPECT_TRUE(ToHandles(*track, track->edits[0].add, /*hard=*/false)[0].hard);
   EXPECT_EQ(FormatTrack(*Parse(FormatTrack(*track))), FormatTrack(*track));
   EXPECT_THAT(FormatTrack(*track), HasSubstr(R"("edits":[{"frame":2,"add":[{"name":"h2")"));
@@ -256,21 +273,81 @@ TEST(Track, AShortTextAsksForNoMoreTargetsThanItIsLong) {
   text += R"(, "frames": [)";
   for (int i = 0; i < 1000; ++i) text += R"({"targets": []},)";
   text.back() = ']';
-  EXPECT_THAT(Complaint(text + "}"), HasSubstr("more targets are missing than the text has"));
+  EXPECT_THAT(Complaint(text + "}"),
+              HasSubstr("targets are missing at the ends of lists; write null"));
 }
 
 class TrackFiles : public FolderTest {};
 
-TEST_F(TrackFiles, AreReadAsOtherProgramsWriteThem) {
-  const std::string path = Put("t.json",
-                               "\xef\xbb\xbf{\"handles\": [{\"rest\": [0, 0]}],\r"
-                               "\"frames\": [{\"targets\": [[1, 2]]}]}\r\n");
-  const Result<Track> track = ReadTrack(path);
-  ASSERT_TRUE(track) << track.error().message;
-  EXPECT_EQ(track->frames[0].targets[0].position, Complex(1, 2));
-  Put("t.json", "{\"handles\": [],\r\"frames\": 1}");
-  EXPECT_EQ(ReadTrack(path).error().message,
-            path + ":1:1: a track needs the arrays \"handles\" and \"frames\"");
+constexpr const char* kWritten = R"({
+  "handles": [{"name": "a", "rest": [0, 10]},
+    {"name": "b", "rest": [50, 10]}],
+  "frames": [
+    {"targets": [[0, 10], [50, 10]]},
+    {"targets": [[0, 11], [50, 12.5]], "angles": [0.5, 0]}
+  ]
+}
+)";
+
+// What takes the place of a part of it: the fault is at the @.
+struct Wrong {
+  const char* part;
+  const char* with;
+  const char* complaint;
+};
+constexpr Wrong kWrong[] = {
+    {"12.5", "@NaN", "not JSON: invalid literal"},
+    {"12.5", "1e99@9", "not JSON: number overflow"},
+    {"[50, 12.5]", "@[50, 12,5]", "frame 1: target 1 is neither [x, y] nor null"},
+    {"[50, 12.5]", "@\"x\"", "frame 1: target 1 is neither [x, y] nor null"},
+    {"[[0, 11], [50, 12.5]]", "@[[0, 11], [50, 12.5], [1, 1]]",
+     "frame 1 needs \"targets\" with a pair or null for each of 2 handles"},
+    {"[0.5, 0]", "[0.5, @\"0\"]", "frame 1: element 1 of angles is neither a number nor null"},
+    {"{\"name\": \"b\", \"rest\": [50, 10]}", "@{\"name\": \"b\"}",
+     "handle 1 needs \"rest\": [x, y]"},
+    {"[50, 10]}],", "[50, 10]}]@],", "not JSON: unexpected ']'"},
+};
+
+// In every form that programs write texts in, and with every fault.
+TEST_F(TrackFiles, Battery) {
+  const std::string plain = FormatTrack(*Parse(kWritten));
+  std::vector<std::optional<Wrong>> faults(std::begin(kWrong), std::end(kWrong));
+  faults.emplace_back();
+  for (const std::optional<Wrong>& wrong : faults) {
+    std::string text = kWritten, place;
+    if (wrong) {
+      text.replace(text.find(wrong->part), std::strlen(wrong->part), wrong->with);
+      const std::size_t at = text.find('@');
+      text.erase(at, 1);
+      const std::string before = text.substr(0, at);
+      place = fmt::format(":{}:{}: ", std::count(before.begin(), before.end(), '\n') + 1,
+                          at - before.rfind('\n'));
+    }
+    for (const char* mark : {"", "\xef\xbb\xbf"}) {
+      for (const char* end : {"\n", "\r\n", "\r"}) {
+        for (const bool tabs : {false, true}) {
+          std::string written = mark;
+          for (const char c : text) {
+            if (c == '\n') {
+              written += end;
+            } else {
+              written += c == ' ' && tabs ? '\t' : c;
+            }
+          }
+          const std::string path = Put("t.json", written);
+          SCOPED_TRACE(written);
+          const Result<Track> track = ReadTrack(path);
+          EXPECT_EQ(track.has_value(), !wrong);
+          if (track) {
+            EXPECT_EQ(FormatTrack(*track), plain);
+          } else if (wrong) {
+            EXPECT_THAT(track.error().message, ::testing::StartsWith(path + place));
+            EXPECT_THAT(track.error().message, HasSubstr(wrong->complaint));
+          }
+        }
+      }
+    }
+  }
 }
 
 TEST(Track, AMissingFileIsNotFound) {
