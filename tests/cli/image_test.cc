@@ -127,7 +127,7 @@ TEST(BorderColour, IsWhatMostOfTheBorderHas) {
     const bool border = i % 10 == 0 || i % 10 == 9 || i < 10 || i >= 90;
     // A figure that reaches over a third of the lower border.
     const bool figure = !border || (i >= 92 && i < 98);
-    const std::uint8_t grey = figure ? 10 : static_cast<std::uint8_t>(240 + i % 3);
+    const auto grey = static_cast<std::uint8_t>(figure ? 10 : 240 + i % 3);
     image.rgba.insert(image.rgba.end(), {grey, 250, grey, 255});
   }
   const auto colour = BorderColour(image, 32);
