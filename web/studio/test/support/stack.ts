@@ -1,0 +1,167 @@
+// The real arapd, the real gateway and a real browser, each a process of its own.
+import { spawn } from "node:child_process";
+import type { ChildProcess } from "node:child_process";
+import { once } from "node:events";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { createInterface } from "node:readline";
+import { setTimeout as delay } from "node:timers/promises";
+
+import { chromium } from "playwright-core";
+import type { Browser, BrowserContextOptions, Page } from "playwright-core";
+
+/** Nothing is expected to be quick: a test that waits longer has found something that never comes. */
+export const patience = 120_000;
+
+const running = new Set<ChildProcess>();
+process.on("exit", () => running.forEach((child) => child.kill("SIGKILL")));
+
+/** Starts a program and waits for the line that says where it listens. */
+async function listening(
+  command: string,
+  words: string[],
+  line: RegExp,
+): Promise<[ChildProcess, string]> {
+  const child = spawn(command, words, { stdio: ["ignore", "pipe", "pipe"] });
+  running.add(child);
+  let log = "";
+  child.once("exit", () => running.delete(child));
+  child.once("error", (error) => (log += error.message));
+  child.stderr!.on("data", (text: Buffer) => (log += text.toString()));
+  const limit = setTimeout(() => child.kill("SIGKILL"), patience);
+  for await (const said of createInterface({ input: child.stdout! })) {
+    const address = line.exec(said)?.[1];
+    if (address === undefined) continue;
+    clearTimeout(limit);
+    child.stdout!.resume();
+    return [child, address];
+  }
+  clearTimeout(limit);
+  throw new Error(`${command} does not say where it listens:\n${log}`);
+}
+
+async function end(child: ChildProcess, signal: NodeJS.Signals): Promise<void> {
+  if (!running.has(child)) return;
+  const ended = once(child, "exit");
+  child.kill(signal);
+  await ended;
+}
+
+export class Stack {
+  readonly folder = mkdtempSync(join(tmpdir(), "arapd-studio-"));
+  address = "";
+  #server!: ChildProcess;
+  #gateway!: ChildProcess;
+  #browser!: Browser;
+
+  async start(): Promise<this> {
+    await this.startServer();
+    const main = join(process.cwd(), "../gateway/dist/main.js");
+    const words = [main, "--arapd", `unix:${this.folder}/socket`, "--listen", "127.0.0.1:0"];
+    // A test asks more in a minute than a visitor.
+    words.push("--static", join(process.cwd(), "dist"), "--max-requests-per-minute", "100000");
+    words.push("--log-level", "error");
+    [this.#gateway, this.address] = await listening(
+      process.execPath,
+      words,
+      /^gateway listening on (.*)$/,
+    );
+    this.#browser = await chromium.launch({
+      executablePath: process.env["CHROMIUM"]!,
+      timeout: patience,
+      args: [
+        "--no-sandbox",
+        "--disable-gpu",
+        "--use-angle=swiftshader",
+        "--enable-unsafe-swiftshader",
+        "--disable-quic",
+        "--no-first-run",
+        "--disable-background-networking",
+        "--disable-sync",
+        "--disable-component-update",
+      ],
+    });
+    return this;
+  }
+
+  async startServer(): Promise<void> {
+    const words = ["--listen", `unix:${this.folder}/socket`, "--store", "memory", "--no-admin"];
+    words.push("--max-stream-load", "0");
+    [this.#server] = await listening(process.env["ARAPD"]!, words, /^arapd listening on (.*)$/);
+  }
+  async killServer(): Promise<void> {
+    await end(this.#server, "SIGKILL");
+  }
+
+  /** A page with the first puppet live. Errors of the page fail the test that asks `faults`. */
+  async open(options: BrowserContextOptions = {}): Promise<Studio> {
+    const context = await this.#browser.newContext({ acceptDownloads: true, ...options });
+    context.setDefaultTimeout(patience);
+    const page = await context.newPage();
+    const faults: string[] = [];
+    page.on("pageerror", (error) => faults.push(error.message));
+    page.on("console", (message) => {
+      if (/Content.Security.Policy/.test(message.text())) faults.push(message.text());
+    });
+    await page.goto(this.address);
+    const studio = new Studio(page, faults);
+    await studio.until("studio.connection === 'live' && studio.puppet.body !== null");
+    return studio;
+  }
+
+  async stop(): Promise<void> {
+    await this.#browser?.close();
+    if (this.#gateway) await end(this.#gateway, "SIGKILL");
+    if (this.#server) await end(this.#server, "SIGKILL");
+    rmSync(this.folder, { recursive: true, force: true });
+  }
+}
+
+/** The page, with words for what a visitor does. */
+export class Studio {
+  constructor(
+    readonly page: Page,
+    readonly faults: string[],
+  ) {}
+
+  /** Waits until an expression on the page's `studio`, `takes` and `stage` is true. */
+  async until(expression: string): Promise<void> {
+    // Playwright's own wait would need the page to allow eval, which the gateway's headers forbid.
+    const limit = Date.now() + patience;
+    while (!(await this.page.evaluate(expression))) {
+      if (Date.now() > limit) throw new Error(`this never came: ${expression}`);
+      await delay(20);
+    }
+  }
+  ask<T>(expression: string): Promise<T> {
+    return this.page.evaluate(expression) as Promise<T>;
+  }
+  /** Waits until the shape is that of the document. */
+  settle(): Promise<void> {
+    return this.until("studio.isSettled");
+  }
+  /** Where a place of the figure is in the window. */
+  at(x: number, y: number): Promise<[number, number]> {
+    return this.ask(`stage.inWindow(${x}, ${y})`);
+  }
+  async click(x: number, y: number): Promise<void> {
+    await this.page.mouse.click(...(await this.at(x, y)));
+  }
+  async tab(name: string): Promise<void> {
+    await this.page.getByRole("tab", { name, exact: true }).click();
+  }
+  async pinCount(count: number): Promise<void> {
+    await this.until(`studio.puppet.pins.length === ${count}`);
+  }
+
+  /** Records while `drag` goes on, and waits until the shapes are computed. */
+  async record(drag: () => Promise<void>): Promise<void> {
+    await this.tab("Take");
+    await this.page.locator("[data-take=record]").click();
+    await drag();
+    await this.until("takes.recorded > 0.5");
+    await this.page.locator("[data-take=record]").click();
+    await this.until("takes.film !== undefined && takes.film.take === takes.take");
+  }
+}
