@@ -134,6 +134,18 @@ TEST(IntervalLog, HasAnIntervalForEachSecond) {
   EXPECT_EQ(intervals[2].seconds, 0.75);
 }
 
+TEST(IntervalLog, GoesToTheEndOfTheRunAndNotBeyond) {
+  IntervalLog log;
+  log.Offered(Operation::kDrag, 0.5);
+  EXPECT_EQ(log.Intervals(4).size(), 4u) << "nothing happened is something that happened";
+  log.Answered(Operation::kDrag, 4.001, 10);
+  const std::vector<Interval> intervals = log.Intervals(4);
+  ASSERT_EQ(intervals.size(), 4u);
+  EXPECT_EQ(intervals.back().operations[Operation::kDrag].answered, 1u);
+  EXPECT_EQ(log.Intervals(100'000).size(), 196u) << "of 512 seconds";
+  EXPECT_TRUE(log.Intervals(0).empty());
+}
+
 TEST(IntervalLog, IsBoundedHoweverLongTheRun) {
   IntervalLog log;
   for (int second = 0; second < 3600; ++second) {

@@ -67,6 +67,8 @@ double Histogram::Mean() const { return count_ == 0 ? 0 : sum_ / static_cast<dou
 double Histogram::Quantile(double q) const {
   if (count_ == 0) return 0;
   const double rank = std::ceil(std::clamp(q, 0.0, 1.0) * static_cast<double>(count_));
+  if (rank <= 1) return min_;
+  if (rank >= static_cast<double>(count_)) return max_;
   double below = 0;
   for (std::size_t i = 0; i < counts_.size(); ++i) {
     below += static_cast<double>(counts_[i]);

@@ -1,6 +1,7 @@
 #include "client/cli/load/interval_log.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace arap::cli {
@@ -23,14 +24,7 @@ void IntervalLog::Double() {
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     Cells cells;
     std::swap(cells, cells_[i]);
-    Cells& to = cells_[i / 2];
-    for (std::size_t k = 0; k < kOperations; ++k) {
-      Cell& target = to[static_cast<Operation>(k)];
-      const Cell& source = cells[static_cast<Operation>(k)];
-      target.offered += source.offered;
-      target.failed += source.failed;
-      target.response.Merge(source.response);
-    }
+    Add(cells, cells_[i / 2]);
   }
   cells_.resize((cells_.size() + 1) / 2);
 }
@@ -46,35 +40,43 @@ void IntervalLog::Failed(Operation operation, double at) { ++At(operation, at).f
 void IntervalLog::Merge(const IntervalLog& other) {
   while (length_ < other.length_) Double();
   for (std::size_t i = 0; i < other.cells_.size(); ++i) {
-    for (std::size_t k = 0; k < kOperations; ++k) {
-      const auto operation = static_cast<Operation>(k);
-      const Cell& source = other.cells_[i][operation];
-      if (source.offered + source.failed + source.response.Count() == 0) continue;
-      Cell& target = At(operation, static_cast<double>(i) * other.length_);
-      target.offered += source.offered;
-      target.failed += source.failed;
-      target.response.Merge(source.response);
-    }
+    const double start = static_cast<double>(i) * other.length_;
+    At(Operation::kDrag, start);  // makes room
+    Add(other.cells_[i], cells_[static_cast<std::size_t>(start / length_)]);
+  }
+}
+
+void IntervalLog::Add(const Cells& from, Cells& to) {
+  for (std::size_t k = 0; k < kOperations; ++k) {
+    const auto operation = static_cast<Operation>(k);
+    to[operation].offered += from[operation].offered;
+    to[operation].failed += from[operation].failed;
+    to[operation].response.Merge(from[operation].response);
   }
 }
 
 std::vector<Interval> IntervalLog::Intervals(double end) const {
+  end = end > 0 ? std::min(end, kLongestRun) : 0;  // NaN is 0
+  IntervalLog log = *this;
+  while (end > log.length_ * kMost) log.Double();
+  const double length = log.length_;
+  const auto count = static_cast<std::size_t>(std::ceil(end / length));
+  if (count == 0) return {};
+  for (std::size_t i = count; i < log.cells_.size(); ++i) Add(log.cells_[i], log.cells_[count - 1]);
+  log.cells_.resize(count);
   std::vector<Interval> intervals;
-  for (std::size_t i = 0; i < cells_.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     Interval& interval = intervals.emplace_back();
-    interval.start = static_cast<double>(i) * length_;
-    interval.seconds = length_;
+    interval.start = static_cast<double>(i) * length;
+    interval.seconds = std::min(length, end - interval.start);
     for (std::size_t k = 0; k < kOperations; ++k) {
       const auto operation = static_cast<Operation>(k);
-      const Cell& cell = cells_[i][operation];
+      const Cell& cell = log.cells_[i][operation];
       const Histogram& response = cell.response;
       interval.operations[operation] = {
           cell.offered,           response.Count(),        cell.failed,
           response.Quantile(0.5), response.Quantile(0.99), response.Max()};
     }
-  }
-  if (!intervals.empty() && end > intervals.back().start) {
-    intervals.back().seconds = std::min(length_, end - intervals.back().start);
   }
   return intervals;
 }

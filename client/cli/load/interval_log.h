@@ -25,7 +25,8 @@ class IntervalLog {
   void Failed(Operation operation, double at);
   void Merge(const IntervalLog& other);
 
-  // All of them up to the last that has anything. The last ends at `end`, when the run did.
+  // All of them up to `end`, when the run ended, also those in which nothing happened; the last may be
+  // shorter, and has what came after `end` too.
   std::vector<Interval> Intervals(double end) const;
 
  private:
@@ -35,6 +36,7 @@ class IntervalLog {
   };
   using Cells = PerOperation<Cell>;
 
+  static void Add(const Cells& from, Cells& to);
   Cell& At(Operation operation, double at);
   void Double();
 

@@ -12,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "arap/base/result.h"
 #include "client/cli/load/histogram.h"
 
 namespace arap::cli {
@@ -104,6 +105,19 @@ struct LoadResults {
   std::uint64_t frames_lost = 0;     // updates that a resumption left without an answer
   Histogram echo;                    // round trips of messages that compute nothing
   double own_nanos_per_message = 0;  // processor time of this program; 0: not measured
+
+  // The operations that there were any of, in their order.
+  std::vector<Operation> Done() const;
+  // All operations together.
+  OperationResults Total() const;
+  // So many in all, a second.
+  double PerSecond(std::uint64_t count) const;
 };
+
+// The document that --json writes (docs/arapctl.md).
+nlohmann::ordered_json ToJson(const LoadResults& results);
+// That document again, but for what ToJson rounds into percentiles. kInvalidOption, with the member that
+// is wrong, for anything else.
+Result<LoadResults> LoadResultsFromJson(const nlohmann::ordered_json& json);
 
 }  // namespace arap::cli
