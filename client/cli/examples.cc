@@ -51,7 +51,11 @@ constexpr Example kExamples[] = {
      "arapctl watch 127.0.0.1:35193 --once --json"},
     {"load",
      "arapctl load --streams 8 --seconds 10 --vertices 10000 --spawn\n"
-     "arapctl load --fps 60 --server 127.0.0.1:50051 --json load.json"},
+     "arapctl load --fps 60 --server 127.0.0.1:50051 --json a.json --html a.html\n"
+     "arapctl load --spawn --threshold \"p99<20ms\" --threshold \"errors<0.1%\""},
+    {"load compare",
+     "arapctl load compare before.json after.json\n"
+     "arapctl load compare before.json after.json --threshold \"p99<5%\""},
     {"token add",
      "arapctl token add --file tokens.json --owner alice --expires-days 90\n"
      "arapctl token add --file tokens.json --owner shop --role gateway \\\n"

@@ -16,6 +16,7 @@ constexpr ExitClass kClasses[] = {
     {Exit::kUnavailable, "unavailable", "no server, one that goes away, or no answer in time"},
     {Exit::kOverloaded, "overloaded", "a full queue, a quota or no memory: try again later"},
     {Exit::kInternal, "internal", "a bug, damaged data, or a file that could not be written"},
+    {Exit::kMissed, "missed", "the work was done, and a --threshold of it was missed"},
     {Exit::kInterrupted, "interrupted", "Ctrl-C"},
 };
 

@@ -20,6 +20,7 @@ enum class Exit : int {
   kUnavailable = 6,
   kOverloaded = 7,
   kInternal = 8,
+  kMissed = 9,
   kInterrupted = 130,  // 128 + SIGINT, as shells say it
 };
 

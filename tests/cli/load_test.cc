@@ -1,4 +1,9 @@
 // info and load against a private server, and the pieces of load.
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -38,6 +43,58 @@ TEST_F(LoadCommand, CountsUpdatesWithoutErrors) {
   EXPECT_TRUE(json["errors"].empty());
   EXPECT_GT(json["round_trip_micros"]["p50"], 0);
   EXPECT_GT(json["solve_micros"]["p50"], 0);
+}
+
+TEST_F(LoadCommand, WritesItsReportsAndComparesThem) {
+  const std::vector<std::string> command{"load",        "--spawn",
+                                         "--streams",   "1",
+                                         "--seconds",   "1",
+                                         "--vertices",  "300",
+                                         "--json",      Path("load.json"),
+                                         "--csv",       Path("load.csv"),
+                                         "--html",      Path("load.html"),
+                                         "--threshold", "errors<0.1%",
+                                         "--threshold", "drag.p99<1000s"};
+  const Outcome outcome = Arapctl(command);
+  ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("threshold    drag.p99<1000s  met"));
+  EXPECT_THAT(Slurp(Path("load.csv")), testing::StartsWith("start,seconds,operation,"));
+  EXPECT_THAT(Slurp(Path("load.html")), testing::EndsWith("</html>\n"));
+  const std::vector<std::string> compare{"load", "compare", Path("load.json"), Path("load.json")};
+  const Outcome compared = Arapctl(compare);
+  EXPECT_EQ(compared.code, 0) << compared.err;
+  EXPECT_THAT(compared.out, HasSubstr("change"));
+  std::vector<std::string> strict = compare;
+  strict.insert(strict.end(), {"--threshold", "p50<-1%", "--json"});
+  const Outcome missed = Arapctl(strict);
+  EXPECT_EQ(missed.code, 9);
+  const auto json = nlohmann::json::parse(missed.out, nullptr, false);
+  ASSERT_TRUE(json.is_object()) << missed.out;
+  EXPECT_EQ(json["thresholds"][0]["met"], false);
+}
+
+TEST_F(LoadCommand, AMissedThresholdHasAnExitCodeOfItsOwn) {
+  const Outcome outcome = Arapctl({"load", "--spawn", "--streams", "1", "--seconds", "1",
+                                   "--vertices", "300", "--threshold", "p50<1us", "--json", "-"});
+  EXPECT_EQ(outcome.code, 9) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("1 of 1 thresholds missed"));
+  const auto json = nlohmann::json::parse(outcome.out, nullptr, false);
+  ASSERT_TRUE(json.is_object()) << outcome.out;
+  EXPECT_EQ(json["thresholds"][0]["threshold"], "p50<1us");
+}
+
+TEST_F(LoadCommand, ComparisonsNameTheFileThatIsWrong) {
+  for (const auto& [text, expected] :
+       {std::pair("{\"a\": 1}", "load --json"), std::pair("{", "not JSON"),
+        std::pair("{\"round_trip_micros\": {}}", "older arapctl")}) {
+    std::ofstream(Path("x.json")) << text;
+    const Outcome outcome = Arapctl({"load", "compare", Path("x.json"), Path("x.json")});
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_THAT(outcome.err, HasSubstr("x.json"));
+    EXPECT_THAT(outcome.err, HasSubstr(expected));
+  }
+  EXPECT_EQ(Arapctl({"load", "compare", "/nowhere.json", "/nowhere.json"}).code, 4);
+  EXPECT_EQ(Arapctl({"load", "compare", Path("x.json")}).code, 2);
 }
 
 TEST_F(LoadCommand, KeepsARate) {

@@ -53,6 +53,8 @@ TEST_F(Usage, WrongCommandLinesEndWithTwo) {
       {"flatten", "a.obj", "--spawn", "--out", "b.obj", "--method", "magic"},
       {"flatten", "a.obj", "--spawn", "--out", "b.obj", "--grain", "1"},
       {"load", "--spawn", "--streams", "0"},
+      {"load", "--spawn", "--threshold", "p99<20"},
+      {"load", "compare", "a.json", "b.json", "--threshold", "p99<20ms"},
       {"mesh", "a.png"},
       {"mesh", "a.png", "--out", "b.obj", "--threshold", "256"},
       {"mesh", "a.png", "--out", "b.obj", "--density", "2"},
@@ -100,7 +102,7 @@ TEST_F(Usage, OutputsThatCannotBeWrittenAreAWrongCommandLine) {
       {bake, {"--out", "--svg", "--frames-svg"}},
       {drag, {"--out", "--svg", "--frames-svg", "--json"}},
       {flatten, {"--out", "--svg", "--dxf", "--report", "--compare"}},
-      {load, {"--json"}},
+      {load, {"--json", "--csv", "--html"}},
       {sample, {"--out", "--track"}},
       {{"mesh", "a.png"}, {"--out"}},
   };

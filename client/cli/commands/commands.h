@@ -38,6 +38,8 @@ void AddSession(CLI::App& app, Run& run);
 void AddHandles(CLI::App& app, Run& run);
 void AddWatch(CLI::App& app, Run& run);
 void AddLoad(CLI::App& app, Run& run);
+// compare, below `load`.
+void AddLoadCompare(CLI::App& load, Run& run);
 void AddToken(CLI::App& app, Run& run);
 void AddSample(CLI::App& app, Run& run);
 void AddFigures(CLI::App& app, Run& run);

@@ -1,18 +1,18 @@
 // arapctl load: many streams at once.
+#include <algorithm>
 #include <latch>
 #include <memory>
 #include <thread>
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/connect/connection.h"
 #include "client/cli/load/load_stream.h"
+#include "client/cli/load/outputs.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
-#include "core/files/text_file.h"
 
 namespace arap::cli {
 namespace {
@@ -28,28 +28,33 @@ struct LoadOptions {
   std::size_t handles = 8;
   std::size_t refine = 0;
   double fps = 0;
-  std::string json;
+  LoadOutputs outputs;
 };
 
-struct LoadResult {
-  LoadSamples samples;  // of all streams
-  double seconds = 0;   // from the common start to the last answer
-  std::size_t vertices = 0;
-};
-
-void Merge(LoadSamples&& from, LoadSamples& to) {
-  const auto append = [](const std::vector<double>& more, std::vector<double>& all) {
-    all.insert(all.end(), more.begin(), more.end());
-  };
-  append(from.round_trip_micros, to.round_trip_micros);
-  append(from.queue_micros, to.queue_micros);
-  append(from.solve_micros, to.solve_micros);
-  append(from.refused_micros, to.refused_micros);
-  for (const auto& [reason, count] : from.errors) to.errors[reason] += count;
-  if (to.first_error.empty()) to.first_error = std::move(from.first_error);
+// What the streams have seen, as drags whose times were measured from when they should have been sent.
+void Add(const LoadSamples& samples, LoadResults& results) {
+  OperationResults& drag = results.operations[Operation::kDrag];
+  for (const double micros : samples.round_trip_micros) drag.response.Record(micros);
+  for (const double micros : samples.queue_micros) drag.queue.Record(micros);
+  for (const double micros : samples.solve_micros) drag.solve.Record(micros);
+  for (const double micros : samples.refused_micros) results.refused.Record(micros);
+  drag.answered = drag.response.Count();
+  for (const auto& [reason, count] : samples.errors) {
+    const auto known = std::find_if(results.errors.begin(), results.errors.end(),
+                                    [&](const LoadError& error) { return error.reason == reason; });
+    LoadError& error = known == results.errors.end() ? results.errors.emplace_back() : *known;
+    error.reason = reason;
+    error.count += count;
+    const std::string front = reason + ": ";
+    if (error.first.empty() && samples.first_error.starts_with(front)) {
+      error.first = samples.first_error.substr(front.size());
+    }
+    drag.failed += count;
+  }
+  drag.sent = drag.answered + drag.failed;
 }
 
-Result<LoadResult> Load(const LoadOptions& options) {
+Result<LoadResults> Load(const LoadOptions& options) {
   TRY(const Connection connection, Connection::Open(options.server));
   std::vector<client::Client> clients{connection.client()};
   while (clients.size() < options.connections) {
@@ -70,64 +75,25 @@ Result<LoadResult> Load(const LoadOptions& options) {
   start.arrive_and_wait();
   const Clock::time_point began = Clock::now();
   threads.clear();  // joins them
-  LoadResult result;
-  result.seconds = std::chrono::duration<double>(Clock::now() - began).count();
-  result.vertices = plan.mesh.vertices.size();
-  for (LoadSamples& stream : samples) Merge(std::move(stream), result.samples);
-  return result;
-}
-
-Status Report(const LoadOptions& options, const LoadResult& result) {
-  const LoadSamples& samples = result.samples;
-  const Percentiles round_trip = PercentilesOf(samples.round_trip_micros);
-  const Percentiles queue = PercentilesOf(samples.queue_micros);
-  const Percentiles solve = PercentilesOf(samples.solve_micros);
-  const Percentiles refused = PercentilesOf(samples.refused_micros);
-  const std::size_t updates = samples.round_trip_micros.size();
-  const double rate = static_cast<double>(updates) / result.seconds;
-  fmt::print("streams      {}\nconnections  {}\nvertices     {}\nhandles      {}\n",
-             options.streams, options.connections, result.vertices, options.handles);
-  fmt::print("seconds      {:.2f}\nupdates      {}\nupdates/s    {:.1f}\n", result.seconds, updates,
-             rate);
-  fmt::print("round trip   p50 {:.0f} µs, p90 {:.0f} µs, p99 {:.0f} µs, max {:.0f} µs\n",
-             round_trip.p50, round_trip.p90, round_trip.p99, round_trip.max);
-  fmt::print(
-      "queue        p50 {:.0f} µs, p99 {:.0f} µs\nsolve        p50 {:.0f} µs, p99 {:.0f} µs\n",
-      queue.p50, queue.p99, solve.p50, solve.p99);
-  if (!samples.refused_micros.empty()) {
-    fmt::print("no room      {} streams, told after p50 {:.0f} µs, max {:.0f} µs\n",
-               samples.refused_micros.size(), refused.p50, refused.max);
-  }
-  for (const auto& [reason, count] : samples.errors)
-    fmt::print("error        {} × {}\n", reason, count);
-  if (samples.errors.empty()) fmt::print("errors       none\n");
-  if (options.json.empty()) return {};
-  const nlohmann::ordered_json json{{"streams", options.streams},
-                                    {"connections", options.connections},
-                                    {"vertices", result.vertices},
-                                    {"handles", options.handles},
-                                    {"seconds", result.seconds},
-                                    {"updates", updates},
-                                    {"updates_per_second", rate},
-                                    {"round_trip_micros", ToJson(round_trip)},
-                                    {"queue_micros", ToJson(queue)},
-                                    {"solve_micros", ToJson(solve)},
-                                    {"streams_refused", samples.refused_micros.size()},
-                                    {"refused_micros", ToJson(refused)},
-                                    {"errors", samples.errors}};
-  return WriteTextFile(options.json, JsonText(json));
+  LoadResults results;
+  results.how = options.fps > 0 ? fmt::format("{:g} updates a second of each stream", options.fps)
+                                : std::string("closed loop, an update of each stream on its way");
+  results.settings = {{"--streams", options.streams},   {"--connections", options.connections},
+                      {"--vertices", options.vertices}, {"--handles", options.handles},
+                      {"--refine", options.refine},     {"--seconds", options.seconds}};
+  if (options.fps > 0) results.settings["--fps"] = options.fps;
+  results.sessions = results.streams = options.streams;
+  results.connections = options.connections;
+  results.vertices = plan.mesh.vertices.size();
+  results.handles = options.handles;
+  results.seconds = std::chrono::duration<double>(Clock::now() - began).count();
+  for (const LoadSamples& stream : samples) Add(stream, results);
+  return results;
 }
 
 int RunLoad(const LoadOptions& options) {
-  const Result<LoadResult> result = Load(options);
-  if (!result) return Complain(result.error());
-  if (const Status reported = Report(options, *result); !reported)
-    return Complain(reported.error());
-  if (result->samples.errors.empty() && !result->samples.round_trip_micros.empty()) return kOk;
-  fmt::print(stderr, "arapctl: first error: {}\n",
-             result->samples.first_error.empty() ? "no update was answered in time"
-                                                 : result->samples.first_error);
-  return kFailed;
+  const Result<LoadResults> results = Load(options);
+  return results ? TellLoad(*results, options.outputs) : Complain(results.error());
 }
 
 }  // namespace
@@ -158,8 +124,12 @@ void AddLoad(CLI::App& app, Run& run) {
           "are opened; default as fast as they are answered")
       ->check(CLI::Range(0.01, 1e5).description(""))
       ->option_text("R");
-  AddOutput(*command, "--json", options->json, "write the result", "FILE.json");
-  command->callback([options, &run] { run = [options] { return RunLoad(*options); }; });
+  AddLoadOutputs(*command, options->outputs);
+  AddLoadCompare(*command, run);
+  command->require_subcommand(0, 1);
+  command->callback([command, options, &run] {
+    if (!command->got_subcommand("compare")) run = [options] { return RunLoad(*options); };
+  });
 }
 
 }  // namespace arap::cli

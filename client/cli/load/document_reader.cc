@@ -1,5 +1,6 @@
 #include "client/cli/load/document_reader.h"
 
+#include <algorithm>
 #include <charconv>
 #include <system_error>
 #include <utility>
@@ -85,6 +86,9 @@ void DocumentReader::Read(const Json& object, const std::string& path, const std
     }
     bucket.count = count.get<std::uint64_t>();
   }
+  // Members of an object have no order.
+  std::sort(read.begin(), read.end(),
+            [](const auto& one, const auto& other) { return one.low < other.low; });
   auto histogram = Histogram::Of(read, min, max, sum);
   if (!histogram) return Wrong(here, "is no histogram that arapctl has written");
   value = std::move(*histogram);
