@@ -24,6 +24,7 @@ import type { Connection } from "./net/live.js";
 import { Session } from "./net/session.js";
 import { samples } from "./samples/index.js";
 import { Meter } from "./view/meter.js";
+import { orderOf } from "./view/order.js";
 import { words } from "./words.js";
 
 const none: readonly number[] = [];
@@ -102,6 +103,11 @@ export class Studio {
   }
   get facts(): MeshFacts | undefined {
     return this.puppet.body ? this.#facts.get(this.puppet.body) : undefined;
+  }
+  /** Triangles back to front: as depths have it, else limbs before the body. */
+  get drawOrder(): ArrayLike<number> {
+    const { body } = this.puppet;
+    return this.order.length > 0 || !body ? this.order : orderOf(body.triangles);
   }
   /** Whether the shape is that of the document. */
   get isSettled(): boolean {
@@ -203,11 +209,9 @@ export class Studio {
     }
   }
 
-  // ---- pins
-
   /** Where the figure is hit, in its pixels; gives the pin, or undefined outside of it. */
   addPin(x: number, y: number): Pin | undefined {
-    const pin = pinAt(this.puppet, this.shape, this.order, x, y);
+    const pin = pinAt(this.puppet, this.shape, this.drawOrder, x, y);
     if (!pin) return undefined;
     this.#do({ ...this.puppet, pins: [...this.puppet.pins, pin] }, words.steps.add(pin.id));
     this.looks = { ...this.looks, chosen: pin.id };
@@ -322,8 +326,6 @@ export class Studio {
     this.#do({ ...this.puppet, starch: null }, words.steps.wash);
     this.#follow();
   }
-
-  // ---- history
 
   undo(): void {
     const what = this.history.undoable;

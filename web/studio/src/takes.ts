@@ -26,6 +26,8 @@ export class Takes {
   /** Which frame of the film the stage shows; undefined: the live puppet. */
   frame: number | undefined;
   #playedFrom = 0;
+  // The puppet when the stage began to show the film.
+  #seen: Puppet | undefined;
 
   constructor(studio: Studio) {
     this.#studio = studio;
@@ -36,7 +38,16 @@ export class Takes {
       const same =
         recorded?.length === pins.length && recorded.every((pin, i) => pin.id === pins[i].id);
       if (recorded && !same) this.stop();
+      // What is changed is to be seen: on the live puppet.
+      const now = studio.puppet;
+      const seen = this.#seen;
       if (this.film && this.film.take !== this.take) this.leave();
+      else if (
+        seen &&
+        (now.pins !== seen.pins || now.body !== seen.body || now.motion !== seen.motion)
+      ) {
+        this.leave();
+      }
     });
   }
 
@@ -137,6 +148,7 @@ export class Takes {
     this.frame = from;
     this.#playedFrom = performance.now() - (1000 * from) / film.take.rate;
     this.playing = true;
+    this.#seen = this.#studio.puppet;
     this.#changed();
     this.#studio.onShape();
   }
@@ -150,6 +162,7 @@ export class Takes {
     const film = await this.bakeIt();
     if (!film) return;
     this.playing = false;
+    this.#seen = this.#studio.puppet;
     this.frame = Math.max(0, Math.min(frame, film.frames.length - 1));
     this.#changed();
     this.#studio.onShape();

@@ -19,8 +19,6 @@ export const words = {
   stage: {
     label: "The puppet",
     hint: "Click the puppet to place a pin, drag pins to pull it. With the keyboard: arrow keys move the cross, Enter places a pin there; Tab goes to the pins.",
-    empty: "Drop a PNG with a transparent background here",
-    drop: "Drop it here",
     zoomIn: "Closer",
     zoomOut: "Farther",
     fit: "Fit",
@@ -53,7 +51,6 @@ export const words = {
     rest: "Back to rest",
     keep: "Make this pose the rest",
     all: "Remove all pins",
-    count: (count: number) => (count === 1 ? "1 pin" : `${count} pins`),
   },
   puppet: {
     choose: "Choose a puppet",
@@ -111,7 +108,6 @@ export const words = {
     wire: "Mesh",
     flips: "Flipped triangles in red",
     onion: "Onion skin: rest pose and the last poses",
-    shows: "Starch",
   },
   take: {
     record: "Record",
@@ -209,7 +205,6 @@ export const words = {
     mesh: "change the mesh",
     add: (id: string) => `place ${pinWord(id)}`,
     move: (id: string) => `move ${pinWord(id)}`,
-    moveSeveral: "move pins",
     change: (id: string) => `change ${pinWord(id)}`,
     remove: (id: string) => `remove ${pinWord(id)}`,
     removeAll: "remove all pins",

@@ -299,6 +299,19 @@ test("a server that is killed under a drag and comes back without anything is ca
   await studio.page.context().close();
 });
 
+test("a gateway that is killed and comes back is found again, with the pins where they are by then", async () => {
+  const studio = await stack.open();
+  await threePins(studio);
+  await stack.killGateway();
+  await studio.until("studio.connection === 'lost'");
+  await studio.ask("studio.movePin('pin-2', { x: 500, y: 620 })");
+  await studio.ask("studio.addPin(320, 330)");
+  await stack.startGateway();
+  await studio.settle();
+  assert.equal(await studio.ask("studio.puppet.pins.length"), 4);
+  await studio.page.context().close();
+});
+
 test("a take is trimmed, smoothed and looped, and every file of it can be had", async () => {
   const studio = await stack.open();
   await threePins(studio);

@@ -18,6 +18,7 @@ import type { Body, Puppet } from "../src/model/puppet.js";
 import { frameOf, looped, pinsAt, playedFrames, smoothed } from "../src/model/take.js";
 import type { Take } from "../src/model/take.js";
 import { readShape } from "../src/net/shape.js";
+import { orderOf } from "../src/view/order.js";
 
 const square: Body = {
   picture: Float64Array.of(0, 0, 10, 0, 10, 10, 0, 10),
@@ -129,6 +130,32 @@ test("starch is painted where the brush is, and the old one is not changed", () 
   assert.deepEqual([...more], [20, 5]);
   assert.deepEqual([...painted], [20, 1]);
   assert.equal(paintStarch(square, square.rest, painted, 90, 90, 1, 5), painted);
+});
+
+test("a limb is drawn after the body, one piece after the other, whatever the triangles' numbers", () => {
+  // A strip of squares, thick at its left end: 3 rows of 3 columns, then one row of 4 columns.
+  const cells: [number, number][] = [];
+  for (let x = 0; x < 7; ++x) for (let y = 0; y < (x < 3 ? 3 : 1); ++y) cells.push([x, y]);
+  const id = (x: number, y: number): number => x * 4 + y;
+  const faces = cells.flatMap(([x, y]) => [
+    [id(x, y), id(x + 1, y), id(x + 1, y + 1)],
+    [id(x, y), id(x + 1, y + 1), id(x, y + 1)],
+  ]);
+  const shuffled = faces.map((_, i) => faces[(i * 7) % faces.length]);
+  const order = orderOf(Uint32Array.from(shuffled.flat()));
+  const columns = [...order].map((t) => Math.floor(Math.min(...shuffled[t]) / 4));
+  const limb = columns.filter((column) => column >= 3);
+  assert.deepEqual(
+    limb,
+    [...limb].sort((a, b) => a - b),
+  );
+  assert.deepEqual(columns.slice(-2), [6, 6]);
+  assert.deepEqual(
+    [...order].sort((a, b) => a - b),
+    shuffled.map((_, i) => i),
+  );
+  const two = orderOf(Uint32Array.of(0, 1, 2, 5, 6, 7, 2, 1, 3));
+  assert.deepEqual([...two].slice(0, 2).sort(), [0, 2]);
 });
 
 const numbers = (...values: number[]): Float64Array[] =>

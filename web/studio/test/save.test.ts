@@ -2,6 +2,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
+import { validateBytes } from "gltf-validator";
+
 import { emptyPuppet, newPin } from "../src/model/puppet.js";
 import type { Body, Pin } from "../src/model/puppet.js";
 import { frameOf } from "../src/model/take.js";
@@ -107,9 +109,15 @@ test("the command names what is not the default", () => {
   );
 });
 
-test("the GLB has a target and a weight per key, and accessors that fit their bytes", () => {
+test("the GLB has a target and a weight per key, and accessors that fit their bytes", async () => {
   const bytes = glbOf({ name: "p", body, shapes, rate: 15, order: [], png, width: 10, height: 10 });
   const view = new DataView(bytes.buffer);
+  const report = await validateBytes(bytes);
+  assert.deepEqual(
+    [report.issues.numErrors, report.issues.numWarnings],
+    [0, 1],
+    JSON.stringify(report.issues),
+  );
   assert.equal(view.getUint32(0, true), 0x46546c67);
   assert.equal(view.getUint32(8, true), bytes.length);
   const jsonLength = view.getUint32(12, true);

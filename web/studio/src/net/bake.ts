@@ -1,6 +1,7 @@
 // All shapes of a take, in order: a stream that leaves no frame out.
 import { pinsAt, playedFrames } from "../model/take.js";
 import type { Take } from "../model/take.js";
+import { orderOf } from "../view/order.js";
 import { Problem } from "./api.js";
 import type { Session } from "./session.js";
 import { Socket } from "./socket.js";
@@ -10,9 +11,9 @@ export interface Film {
   /** As they are played: trimmed, smoothed, looped. */
   frames: Float64Array[];
   /** x y x y… per frame. */
-  shapes: Float64Array[];
-  /** Triangles back to front; empty: as they are numbered. */
-  order: readonly number[];
+  shapes: Float32Array[];
+  /** Triangles back to front. */
+  order: ArrayLike<number>;
   /** How far a coordinate may be off from what the server has computed. */
   error: number;
 }
@@ -32,7 +33,9 @@ export async function bake(
   const set = await session.handleSet(mesh, take.pins);
   const id = await session.id();
   let socket: Socket | undefined;
-  const film: Film = { take, frames, shapes: [], order: set.drawOrder ?? [], error: 0 };
+  const deep = set.drawOrder ?? [];
+  const order = deep.length > 0 ? deep : orderOf(take.body.triangles);
+  const film: Film = { take, frames, shapes: [], order, error: 0 };
   try {
     return await new Promise<Film>((resolve, reject) => {
       let sent = 0;
@@ -54,8 +57,10 @@ export async function bake(
           positions: Float64Array;
           facts: { positionError: number };
         }) => {
-          film.shapes.push(positions);
-          film.error = Math.max(film.error, facts.positionError);
+          const most = positions.reduce((max, value) => Math.max(max, Math.abs(value)), 0);
+          // Rounding to float32, which takes half the room, is part of the error.
+          film.error = Math.max(film.error, facts.positionError + most * 2 ** -24);
+          film.shapes.push(Float32Array.from(positions));
           progress(film.shapes.length / frames.length);
           if (film.shapes.length === frames.length) resolve(film);
           else say();

@@ -9,7 +9,7 @@ export interface Pictures {
   body: Body;
   image: HTMLCanvasElement;
   shapes: readonly ArrayLike<number>[];
-  order: readonly number[];
+  order: ArrayLike<number>;
 }
 
 /** Paints shapes one after the other, all with the same frame around them. */

@@ -10,7 +10,7 @@ export interface GltfInput {
   /** Keys in a second. */
   rate: number;
   /** Triangles back to front; empty: as they are numbered. */
-  order: readonly number[];
+  order: ArrayLike<number>;
   png: Uint8Array;
   width: number;
   height: number;
@@ -70,7 +70,9 @@ export function glbOf(input: GltfInput): Uint8Array {
   }
   const corners =
     input.order.length > 0
-      ? Uint32Array.from(input.order.flatMap((t) => [...body.triangles.subarray(3 * t, 3 * t + 3)]))
+      ? Uint32Array.from(
+          Array.from(input.order).flatMap((t) => [...body.triangles.subarray(3 * t, 3 * t + 3)]),
+        )
       : body.triangles;
   const primitive = {
     attributes: {

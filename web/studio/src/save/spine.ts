@@ -7,7 +7,7 @@ export interface SpineInput {
   /** x y x y… per key. */
   shapes: readonly ArrayLike<number>[];
   rate: number;
-  order: readonly number[];
+  order: ArrayLike<number>;
   width: number;
   height: number;
 }
@@ -51,7 +51,7 @@ export function spineOf(input: SpineInput): string {
   const place = new Map(order.map((vertex, i) => [vertex, i]));
   const faces =
     input.order.length > 0
-      ? input.order
+      ? Array.from(input.order)
       : Array.from({ length: body.triangles.length / 3 }, (_, i) => i);
   const triangles = faces.flatMap((face) =>
     [0, 1, 2].map((k) => place.get(body.triangles[3 * face + k])!),

@@ -267,11 +267,12 @@ export function pinsTab(studio: Studio): Tab {
       "section",
       {},
       h("h2", {}, words.tabs.pins),
+      h("div", { class: "row" }, ...all.slice(0, 2)),
       h("div", { class: "field choice" }, h("label", { for: select.id }, words.pin.choose), select),
       none,
       details,
     ),
-    h("section", {}, h("div", { class: "row" }, ...all)),
+    h("section", {}, h("div", { class: "row" }, ...all.slice(2))),
   );
   return {
     name: "pins",

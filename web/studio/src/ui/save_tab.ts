@@ -15,7 +15,7 @@ type Progress = (part: number) => void;
 const nextTurn = (): Promise<void> => new Promise((resolve) => setTimeout(resolve));
 
 /** Every second frame, for files that have a picture or a target for each. */
-const thinned = (film: Film): Float64Array[] => film.shapes.filter((_, i) => i % 2 === 0);
+const thinned = (film: Film): Float32Array[] => film.shapes.filter((_, i) => i % 2 === 0);
 
 export function saveTab(studio: Studio, takes: Takes): Tab {
   const name = (): string =>
@@ -25,7 +25,7 @@ export function saveTab(studio: Studio, takes: Takes): Tab {
       .replace(/^-|-$/g, "") || "puppet";
   const png = async (): Promise<Uint8Array> =>
     bytesOf(await blobOf(studio.figure!.canvas, "image/png"));
-  const projector = (film: Film, shapes: readonly Float64Array[], size: number): Projector =>
+  const projector = (film: Film, shapes: readonly Float32Array[], size: number): Projector =>
     new Projector(
       { body: film.take.body, image: studio.figure!.canvas, shapes, order: film.order },
       size,
@@ -35,7 +35,7 @@ export function saveTab(studio: Studio, takes: Takes): Tab {
   async function still(): Promise<void> {
     const { body } = studio.puppet;
     if (!body) return;
-    const { shape, order } = studio;
+    const { shape, drawOrder: order } = studio;
     const image = studio.figure!.canvas;
     const picture = new Projector({ body, image, shapes: [shape], order }, 1600);
     save(`${name()}.png`, [await picture.png(0)], "image/png");

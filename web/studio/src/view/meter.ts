@@ -40,6 +40,4 @@ export class Meter {
   /** ms from moving a pointer to the picture that shows it. */
   readonly lag = new Recent();
   readonly shapes = new Recent();
-  /** Shapes that were replaced by a newer one before they were drawn, at most, between two pictures. */
-  mostStale = 0;
 }

@@ -38,7 +38,7 @@ export interface Scene {
   camera: Camera;
   shape: ArrayLike<number>;
   /** Triangles back to front; empty: as they are numbered. */
-  order: readonly number[];
+  order: ArrayLike<number>;
   /** Paler poses behind it. */
   ghosts: { shape: ArrayLike<number>; strength: number }[];
   layers: Layer[];
@@ -58,15 +58,17 @@ export class Painter {
   #body: Body | null = null;
   #size = { width: 1, height: 1 };
   #edges: Uint32Array = new Uint32Array(0);
+  #ordered: { triangles: Uint32Array; order: ArrayLike<number>; corners: Uint32Array } | undefined;
 
   /** Throws where there is no WebGL 2. `keep` for canvases that are read from. */
   constructor(canvas: HTMLCanvasElement, keep = false) {
-    const gl = canvas.getContext("webgl2", {
-      alpha: true,
-      antialias: true,
-      premultipliedAlpha: true,
-      preserveDrawingBuffer: keep,
-    });
+    const want = { alpha: true, premultipliedAlpha: true, preserveDrawingBuffer: keep };
+    // Where the processor draws, smooth edges of triangles cost most of a picture; those of the figure
+    // are smooth anyway, as the mesh reaches beyond them.
+    const quick = { ...want, antialias: true, failIfMajorPerformanceCaveat: true };
+    const gl =
+      (canvas.getContext("webgl2", quick) as WebGL2RenderingContext | null) ??
+      (canvas.getContext("webgl2", { ...want, antialias: keep }) as WebGL2RenderingContext | null);
     if (!gl) throw new Error("no WebGL 2");
     this.canvas = canvas;
     this.#gl = gl;
@@ -132,7 +134,7 @@ export class Painter {
     const { camera } = scene;
     const half = 2 * camera.zoom * ratio;
     gl.uniform4f(this.#uniform.view, camera.x, camera.y, width / half, height / half);
-    const all = ordered(this.#body.triangles, scene.order);
+    const all = this.#all(this.#body.triangles, scene.order);
     for (const ghost of scene.ghosts) {
       this.#place(ghost.shape);
       this.#draw(all, [0, 0, 0], 0, ghost.strength);
@@ -145,6 +147,15 @@ export class Painter {
       this.#draw(corners, layer.tint, layer.part, layer.strength);
     }
     if (scene.wire) this.#draw(this.#edges, scene.wire, 2, 0.45, gl.LINES);
+  }
+
+  // The same as for the picture before, mostly.
+  #all(triangles: Uint32Array, order: ArrayLike<number>): Uint32Array {
+    const last = this.#ordered;
+    if (last?.triangles === triangles && last.order === order) return last.corners;
+    const corners = ordered(triangles, order);
+    this.#ordered = { triangles, order, corners };
+    return corners;
   }
 
   #place(shape: ArrayLike<number>): void {

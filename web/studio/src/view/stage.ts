@@ -162,7 +162,7 @@ export class Stage {
         {
           camera: this.#camera,
           shape,
-          order: filmed ? film.order : this.#studio.order,
+          order: filmed ? film.order : this.#studio.drawOrder,
           ghosts,
           layers: this.#layers(filmed === true),
           wire: looks.wire ? [0.05, 0.07, 0.1] : null,

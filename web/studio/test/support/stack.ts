@@ -57,16 +57,7 @@ export class Stack {
 
   async start(): Promise<this> {
     await this.startServer();
-    const main = join(process.cwd(), "../gateway/dist/main.js");
-    const words = [main, "--arapd", `unix:${this.folder}/socket`, "--listen", "127.0.0.1:0"];
-    // A test asks more in a minute than a visitor.
-    words.push("--static", join(process.cwd(), "dist"), "--max-requests-per-minute", "100000");
-    words.push("--log-level", "error");
-    [this.#gateway, this.address] = await listening(
-      process.execPath,
-      words,
-      /^gateway listening on (.*)$/,
-    );
+    await this.startGateway();
     this.#browser = await chromium.launch({
       executablePath: process.env["CHROMIUM"]!,
       timeout: patience,
@@ -85,10 +76,33 @@ export class Stack {
     return this;
   }
 
+  /** On the same port as before, if there was one. */
+  async startGateway(): Promise<void> {
+    const main = join(process.cwd(), "../gateway/dist/main.js");
+    const words = [
+      main,
+      "--arapd",
+      `unix:${this.folder}/socket`,
+      "--listen",
+      `127.0.0.1:${new URL(this.address || "http://x:0").port || 0}`,
+    ];
+    // A test asks more in a minute than a visitor.
+    words.push("--static", join(process.cwd(), "dist"), "--max-requests-per-minute", "100000");
+    words.push("--log-level", "error");
+    [this.#gateway, this.address] = await listening(
+      process.execPath,
+      words,
+      /^gateway listening on (.*)$/,
+    );
+  }
+
   async startServer(): Promise<void> {
     const words = ["--listen", `unix:${this.folder}/socket`, "--store", "memory", "--no-admin"];
     words.push("--max-stream-load", "0");
     [this.#server] = await listening(process.env["ARAPD"]!, words, /^arapd listening on (.*)$/);
+  }
+  async killGateway(): Promise<void> {
+    await end(this.#gateway, "SIGKILL");
   }
   async killServer(): Promise<void> {
     await end(this.#server, "SIGKILL");
