@@ -9,6 +9,7 @@
 #include "core/drawing/draw.h"
 #include "core/drawing/piece_names.h"
 #include "server/budget/faults.h"
+#include "server/runtime/clock.h"
 
 namespace arap::app {
 namespace {
@@ -26,11 +27,12 @@ std::size_t BorderOf(const Flattening& flat) {
 
 }  // namespace
 
-Result<Drawn> DrawAll(DerivedCache& derived, const Caller& caller, const DrawingOrder& order,
-                      const Flattening& flat, std::size_t most, const CancelToken& cancel,
+Result<Drawn> DrawAll(DerivedCache& derived, runtime::Metrics& metrics, const Caller& caller,
+                      const DrawingOrder& order, const Flattening& flat, const CancelToken& cancel,
                       const FlattenProgress& progress) {
   Drawn drawn;
   if (order.drawings.empty()) return drawn;
+  const runtime::WallTimer working;
   const std::vector<std::string> names = PieceNames(flat, order.parts);
   const std::size_t border = BorderOf(flat), count = order.drawings.size();
   std::size_t bytes = 0;
@@ -51,14 +53,15 @@ Result<Drawn> DrawAll(DerivedCache& derived, const Caller& caller, const Drawing
     std::size_t own = 0;
     for (const DrawingFile& file : drawing->files) own += file.bytes.size();
     bytes += own;
-    if (most > 0 && bytes > most) {
-      return Fail(
-          TooLarge("The answer", "max_response_bytes", bytes, most).Field("max_response_bytes"));
+    if (order.most_bytes > 0 && bytes > order.most_bytes) {
+      return Fail(TooLarge("The answer", "max_response_bytes", bytes, order.most_bytes)
+                      .Field("max_response_bytes"));
     }
     room.Shrink(own);
     drawn.rooms.push_back(std::move(room));
     drawn.drawings.push_back(*std::move(drawing));
   }
+  metrics.Phase(runtime::Phase::kDraw, working.Micros() * 1e-6);
   return drawn;
 }
 

@@ -11,6 +11,7 @@
 #include "arap/model/drawing.h"
 #include "server/access/caller.h"
 #include "server/budget/derived_cache.h"
+#include "server/runtime/metrics.h"
 
 namespace arap::app {
 
@@ -19,6 +20,7 @@ struct DrawingOrder {
   std::span<const DrawingOptions> drawings;
   std::span<const NamedPart> parts;
   std::span<const GrainLine> grain_lines;  // that the layout was made with
+  std::size_t most_bytes = 0;              // of all files together; 0: any number
 };
 
 struct Drawn {
@@ -27,11 +29,11 @@ struct Drawn {
 };
 
 // Reserves memory for each drawing before it is begun and keeps what its files take. `progress` is
-// told of "drawing". For the job lane. Faults: those of arap::Draw with the field "drawings[i]…",
-// kLimitExceeded when the memory is not to be had or the files are more than `most` bytes together
-// (0: any number), which ends the work.
-Result<Drawn> DrawAll(DerivedCache& derived, const Caller& caller, const DrawingOrder& order,
-                      const Flattening& flat, std::size_t most, const CancelToken& cancel,
+// told of "drawing", `metrics` how long it took. For the job lane. Faults: those of arap::Draw with
+// the field "drawings[i]…", kLimitExceeded when the memory is not to be had or the files are more
+// than the most bytes, which ends the work.
+Result<Drawn> DrawAll(DerivedCache& derived, runtime::Metrics& metrics, const Caller& caller,
+                      const DrawingOrder& order, const Flattening& flat, const CancelToken& cancel,
                       const FlattenProgress& progress);
 
 }  // namespace arap::app

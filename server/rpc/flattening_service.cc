@@ -116,9 +116,10 @@ Status FlattenTelling(app::Engine& engine, const v1::FlattenRequest& request, co
                                         asked.options, call.cancel, progress);
   if (!answer) return Fail(convert::SpelledForFlatten(std::move(answer.error())));
   CHECK_OK(ToWire(answer->flat, request, response));
-  const app::DrawingOrder order{asked.drawings, asked.parts, asked.options.grain_lines};
-  TRY(auto drawn, app::DrawAll(engine.derived, call.caller, order, answer->flat,
-                               request.max_response_bytes(), call.cancel, progress));
+  const app::DrawingOrder order{asked.drawings, asked.parts, asked.options.grain_lines,
+                                request.max_response_bytes()};
+  TRY(auto drawn, app::DrawAll(engine.derived, engine.metrics, call.caller, order, answer->flat,
+                               call.cancel, progress));
   convert::ToWire(std::move(drawn.drawings), response);
   response->set_surface_cached(answer->cached);
   SetMicros(call.queue_micros, response->mutable_queue_time());

@@ -159,6 +159,8 @@ const char* PhaseName(Phase phase) {
       return "flatten_factor";
     case Phase::kFlattenSolve:
       return "flatten_solve";
+    case Phase::kDraw:
+      return "draw";
     case Phase::kRebuild:
       return "rebuild";
   }

@@ -101,9 +101,10 @@ enum class Phase {
   kFlattenOrder,     // fill-reducing orders
   kFlattenFactor,    // factorisations
   kFlattenSolve,     // all the rest
+  kDraw,             // all drawings of a flattening
   kRebuild,          // a mesh or handle set made again from what is stored
 };
-inline constexpr std::size_t kPhases = 11;
+inline constexpr std::size_t kPhases = 12;
 
 // The label value of a phase: "register", "flatten_order".
 const char* PhaseName(Phase phase);

@@ -112,7 +112,10 @@ std::string WithoutTimes(v1::FlattenResponse response) {
 }
 
 TEST_F(FlattenJobTest, AnswersWhatFlattenAnswers) {
-  const v1::FlattenRequest request = RequestFor(testing::SphereCap(60, 90, 1.2));
+  v1::FlattenRequest request = RequestFor(testing::SphereCap(60, 90, 1.2));
+  for (const auto format : {v1::DRAWING_FORMAT_PDF, v1::DRAWING_FORMAT_SVG}) {
+    request.add_drawings()->set_format(format);
+  }
   v1::Job begun;
   ASSERT_TRUE(Submit("a", request, &begun).ok());
   EXPECT_EQ(begun.job_id(), "a");
@@ -126,6 +129,7 @@ TEST_F(FlattenJobTest, AnswersWhatFlattenAnswers) {
   EXPECT_EQ(told.back().fraction(), 1);
   v1::FlattenResponse flat;
   ASSERT_TRUE(Get("a", &flat).ok());
+  EXPECT_EQ(flat.drawings_size(), 2);
   EXPECT_EQ(WithoutTimes(flat), WithoutTimes(Flat(request)));
   EXPECT_EQ(Submit("a", request, &begun).error_code(), grpc::StatusCode::OK);
   EXPECT_EQ(begun.state(), v1::JOB_STATE_DONE) << "the same job";
