@@ -1,8 +1,10 @@
 #include "core/outline/asked.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -46,6 +48,24 @@ Status CheckAsked(std::span<const Outline> outlines, std::size_t vertices) {
                     .Detail("limit", kMaxOutlinePoints));
   }
   return {};
+}
+
+Complex OriginOf(std::span<const Outline> outlines) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  std::array<double, 2> low{kInfinite, kInfinite}, high{-kInfinite, -kInfinite}, origin{};
+  for (const Outline& outline : outlines) {
+    for (const Complex p : outline) {
+      low = {std::min(low[0], p.real()), std::min(low[1], p.imag())};
+      high = {std::max(high[0], p.real()), std::max(high[1], p.imag())};
+    }
+  }
+  if (PointsOf(outlines) == 0) return 0;
+  constexpr double kFar = 16;
+  const double size = std::max(high[0] - low[0], high[1] - low[1]);
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (low[k] > kFar * size || high[k] < -kFar * size) origin[k] = low[k];
+  }
+  return {origin[0], origin[1]};
 }
 
 MeshingCost EstimateMeshing(std::size_t points, std::size_t vertices, std::size_t most) {

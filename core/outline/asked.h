@@ -1,4 +1,4 @@
-// What may be asked of the mesher, and what that costs.
+// What may be asked of the mesher, from where it counts, and what that costs.
 #pragma once
 
 #include <cstddef>
@@ -19,6 +19,11 @@ std::size_t PointsOf(std::span<const Outline> outlines);
 
 // The faults of MeshOutlines that show before the work.
 Status CheckAsked(std::span<const Outline> outlines, std::size_t vertices);
+
+// 0, or where outlines (finite) are far from it for their size, a corner of their box: counted from
+// there they keep all their digits. The differences are exact, since no coordinate is then twice
+// another one.
+Complex OriginOf(std::span<const Outline> outlines);
 
 // What a mesh takes at most in outlines of so many points in all, but where they are narrow.
 struct MeshingCost {

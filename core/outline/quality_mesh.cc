@@ -104,8 +104,9 @@ std::vector<Delaunay::Vertex_handle> InsertPoints(std::span<const Outline> outli
   return vertices;
 }
 
-// The outlines as edges that stay. kInvalidOption when they are no borders of a region.
-Status Insert(std::span<const Outline> outlines, Watch& watch, Delaunay& delaunay) {
+// The outlines as edges that stay. kInvalidOption when they are no borders of a region. `origin` is
+// where their 0 is, for the sentence.
+Status Insert(std::span<const Outline> outlines, Complex origin, Watch& watch, Delaunay& delaunay) {
   const auto vertices = InsertPoints(outlines, delaunay);
   std::size_t begin = 0;
   try {
@@ -136,7 +137,7 @@ Status Insert(std::span<const Outline> outlines, Watch& watch, Delaunay& delauna
       const std::size_t next = i + 1 == begin + outline.size() ? begin : i + 1;
       if (vertices[i] == vertices[next]) continue;
       if (lines[vertices[i]] == 2 && count-- > 0) continue;
-      const Complex p = outline[i - begin];
+      const Complex p = origin + outline[i - begin];
       return Fail(FaultKind::kInvalidOption,
                   fmt::format("The outlines touch one another or themselves at ({:g}, {:g}).",
                               p.real(), p.imag()));
@@ -322,9 +323,10 @@ void Round(PlanarMesh& mesh) {
   for (Complex& p : mesh.vertices) p = {rounded(p.real()), rounded(p.imag())};
 }
 
-Result<QualityMesh> Finish(Draft draft, std::size_t pieces) {
+Result<QualityMesh> Finish(Draft draft, Complex origin, std::size_t pieces) {
   QualityMesh result{std::move(draft.mesh), pieces, 0, 180};
   Round(result.mesh);
+  for (Complex& p : result.mesh.vertices) p += origin;
   for (const Triangle& t : result.mesh.triangles) {
     const auto corner = [&](std::size_t k) { return result.mesh.vertices[t[k]]; };
     result.smallest_angle =
@@ -339,10 +341,17 @@ Result<QualityMesh> Finish(Draft draft, std::size_t pieces) {
   return result;
 }
 
-// MeshOutlines, whose CGAL may throw.
-Result<QualityMesh> Mesh(std::span<const Outline> outlines, std::size_t vertices, std::size_t most,
-                         const CancelToken& cancel) {
-  CHECK_OK(CheckAsked(outlines, vertices));
+std::vector<Outline> Moved(std::span<const Outline> outlines, Complex origin) {
+  std::vector<Outline> moved(outlines.begin(), outlines.end());
+  for (Outline& outline : moved) {
+    for (Complex& p : outline) p -= origin;
+  }
+  return moved;
+}
+
+// MeshOutlines for outlines that were checked and are counted from `origin`. CGAL may throw.
+Result<QualityMesh> Mesh(std::span<const Outline> outlines, Complex origin, std::size_t vertices,
+                         std::size_t most, const CancelToken& cancel) {
   constexpr std::size_t kMostForEach = 100;
   const std::size_t points = PointsOf(outlines);
   most = std::min({most, kMaxMeshVertices, kMostForEach * (vertices + points)});
@@ -350,7 +359,7 @@ Result<QualityMesh> Mesh(std::span<const Outline> outlines, std::size_t vertices
   Watch watch(cancel, 5 + 20 * EstimateMeshing(points, vertices, most).seconds);
 
   Delaunay delaunay;
-  CHECK_OK(Insert(outlines, watch, delaunay));
+  CHECK_OK(Insert(outlines, origin, watch, delaunay));
   const std::vector<Region> regions =
       delaunay.dimension() < 2 ? std::vector<Region>() : RegionsOf(delaunay);
   if (regions.empty()) return Fail(FaultKind::kEmptyMesh, "The outlines have nothing inside.");
@@ -362,17 +371,20 @@ Result<QualityMesh> Mesh(std::span<const Outline> outlines, std::size_t vertices
     Smooth(draft.on_outline, draft.mesh);
     draft = Retriangulate(draft, SeedsOf(regions));
   }
-  return Finish(std::move(draft), regions.size());
+  return Finish(std::move(draft), origin, regions.size());
 }
 
 }  // namespace
 
 Result<QualityMesh> MeshOutlines(std::span<const Outline> outlines, std::size_t vertices,
                                  std::size_t most, const CancelToken& cancel) {
+  CHECK_OK(CheckAsked(outlines, vertices));
   // Where places are so close to one another that rounding moves points across edges, what CGAL
   // relies on does not hold. It checks that in every build (CGAL_DEBUG in core/CMakeLists.txt).
   try {
-    return Mesh(outlines, vertices, most, cancel);
+    const Complex origin = OriginOf(outlines);
+    if (origin == Complex(0)) return Mesh(outlines, origin, vertices, most, cancel);
+    return Mesh(Moved(outlines, origin), origin, vertices, most, cancel);
   } catch (const CGAL::Failure_exception&) {
     return Fail(FaultKind::kNumerical,
                 "Outlines this close to one another, or this small for how far they are from 0, "

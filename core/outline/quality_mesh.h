@@ -21,8 +21,9 @@ namespace arap {
 // `outlines` where one alone is at fault. kEmptyMesh: nothing inside. kNonFiniteCoordinate.
 // kLimitExceeded: more than kMaxOutlinePoints, outlines that are wound into one another so often
 // that looking at them takes too long, or places so narrow that they need more vertices than
-// `most`. kNumerical: outlines so close to one another, or so small for how far they are from 0, that
-// rounding spoils their triangles. Those of `cancel`, which is asked every few milliseconds.
+// `most`. kNumerical: outlines so close to one another, or with so few of the digits of a double for
+// how far they are from 0, that rounding spoils their triangles. Those of `cancel`, which is asked
+// every few milliseconds.
 Result<QualityMesh> MeshOutlines(std::span<const Outline> outlines, std::size_t vertices,
                                  std::size_t most = kMaxMeshVertices,
                                  const CancelToken& cancel = {});

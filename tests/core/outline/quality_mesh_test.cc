@@ -129,6 +129,32 @@ TEST(MeshOutlines, TheUnitOfTheOutlinesDoesNotMatter) {
   }
 }
 
+TEST(MeshOutlines, FarFromZeroItIsTheSameMesh) {
+  const std::vector<Outline> near{Box(0, 0, 10, 8), Backwards(Box(2, 3, 5, 6))};
+  const auto expected = MeshOutlines(near, 200);
+  ASSERT_TRUE(expected) << expected.error().message;
+  for (const Complex far : {Complex(1e9, -3e9), Complex(0, 1e12), Complex(-4096, 0)}) {
+    SCOPED_TRACE(far);
+    std::vector<Outline> moved = near;
+    for (Outline& outline : moved) {
+      for (Complex& p : outline) p += far;
+    }
+    const auto result = MeshOutlines(moved, 200);
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_EQ(result->mesh.triangles, expected->mesh.triangles);
+    EXPECT_GE(result->smallest_angle, 20);
+    for (std::size_t v = 0; v < result->mesh.vertices.size(); ++v) {
+      EXPECT_EQ(result->mesh.vertices[v], expected->mesh.vertices[v] + far);
+    }
+    moved[1] = moved[0];
+    EXPECT_EQ(MeshOutlines(moved, 200).error().kind, FaultKind::kInvalidOption);
+  }
+  // Where no digits are left for triangles.
+  const auto lost = MeshOutlines(std::vector<Outline>{Box(1e15 - 1, 0, 1e15, 1)}, 200);
+  ASSERT_FALSE(lost);
+  EXPECT_EQ(lost.error().kind, FaultKind::kNumerical);
+}
+
 TEST(MeshOutlines, WhatIsWrongIsRefused) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();

@@ -16,7 +16,7 @@ inline constexpr std::size_t kMaxOutlinePoints = 1'000'000;
 
 struct QualityMesh {
   // Counter-clockwise, no loose vertices, in an order that depends on the outlines alone;
-  // coordinates are rounded to the ninth digit of the largest one.
+  // coordinates have nine digits of the largest, or of the size of outlines that are far from 0.
   PlanarMesh mesh;
   std::size_t pieces = 0;     // connected through edges
   std::size_t holes = 0;      // of all pieces
