@@ -57,7 +57,11 @@ export function fault(code: number, message: string, reason?: string, retryMs?: 
   const details = [
     ...(reason ? [any("google.rpc.ErrorInfo", { reason, domain: "arapd" })] : []),
     ...(retryMs
-      ? [any("google.rpc.RetryInfo", { retryDelay: { seconds: 0, nanos: retryMs * 1e6 } })]
+      ? [
+          any("google.rpc.RetryInfo", {
+            retryDelay: { seconds: Math.floor(retryMs / 1000), nanos: (retryMs % 1000) * 1e6 },
+          }),
+        ]
       : []),
   ];
   if (details.length > 0)
@@ -72,7 +76,7 @@ export const gone = () => fault(status.UNAVAILABLE, "The server is going away.")
  */
 export async function pretend<T>(
   handlers: Record<string, UntypedHandleCall>,
-  use: (client: Client) => Promise<T>,
+  use: (client: Client, address: string) => Promise<T>,
 ): Promise<T> {
   const server = new Server();
   const usual: Record<string, Unary> = {
@@ -99,9 +103,10 @@ export async function pretend<T>(
       error ? reject(error) : resolve(bound),
     ),
   );
-  const client = Client.connect(`127.0.0.1:${port}`);
+  const address = `127.0.0.1:${port}`;
+  const client = Client.connect(address);
   try {
-    return await use(client);
+    return await use(client, address);
   } finally {
     client.close();
     server.forceShutdown();

@@ -35,6 +35,8 @@ const kinds = new Set(["KHR_mesh_quantization"]);
 const most = 100_000; // of nodes, meshes and accessors each
 
 function checkDocument(json: GLTF.IGLTF, bytes: number, limits: FileLimits): void {
+  if (typeof json !== "object" || json === null)
+    throw new FileFault("The first chunk is no object.");
   const list = (value: unknown, what: string): object[] => {
     if (value === undefined) return [];
     if (!Array.isArray(value) || value.some((one) => typeof one !== "object" || one === null)) {
@@ -197,9 +199,9 @@ export async function readGlb(bytes: Buffer, limits: FileLimits): Promise<Surfac
   checkContainer(bytes);
   const io = new WebIO();
   try {
-    const document = await io.binaryToJSON(bytes);
-    checkDocument(document.json, bytes.length, limits);
-    const root = (await io.readJSON(document)).getRoot();
+    const json = JSON.parse(bytes.toString("utf8", 20, 20 + bytes.readUInt32LE(12))) as GLTF.IGLTF;
+    checkDocument(json, bytes.length, limits);
+    const root = (await io.readBinary(bytes)).getRoot();
     const scene = root.getDefaultScene() ?? root.listScenes()[0];
     const roots = scene
       ? scene.listChildren()
@@ -208,6 +210,7 @@ export async function readGlb(bytes: Buffer, limits: FileLimits): Promise<Surfac
   } catch (error) {
     if (error instanceof FileFault) throw error;
     // The library's own sentences name the place as far as it knows it.
-    throw new FileFault(`The file is no glTF that can be read: ${(error as Error).message}.`);
+    const said = (error as Error).message.replace(/\.+$/, "");
+    throw new FileFault(`The file is no glTF that can be read: ${said}.`);
   }
 }
