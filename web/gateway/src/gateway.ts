@@ -105,21 +105,30 @@ function addHooks(app: FastifyInstance, context: Context, rates: Rates): void {
   app.setNotFoundHandler(() => {
     throw new Problem("NO_SUCH_ROUTE", "There is nothing at this path for this method.");
   });
-  app.setErrorHandler((error: FastifyError, request, reply) => {
-    const known = foreseen(error, request.routeOptions.config?.fields);
-    if (!known) request.log.error({ err: error }, "unforeseen");
-    const problem = known ?? unforeseen();
-    metrics.problems.inc({ reason: problem.reason });
-    const { retryAfterMs } = problem.facts;
-    if (retryAfterMs !== undefined)
-      void reply.header("retry-after", String(Math.ceil(retryAfterMs / 1000)));
-    void reply.removeHeader("content-disposition");
-    return reply
-      .code(problem.status)
-      .header("cache-control", "no-store")
-      .type("application/problem+json")
-      .send(toJson(detailsOf(problem, settings.prefix, request.id)));
-  });
+  app.setErrorHandler((error: FastifyError, request, reply) =>
+    tell(context, error, request, reply),
+  );
+}
+
+function tell(
+  context: Context,
+  error: Error,
+  request: FastifyRequest,
+  reply: FastifyReply,
+): FastifyReply {
+  const known = foreseen(error, request.routeOptions.config?.fields);
+  if (!known) request.log.error({ err: error }, "unforeseen");
+  const problem = known ?? unforeseen();
+  context.metrics.problems.inc({ reason: problem.reason });
+  const { retryAfterMs } = problem.facts;
+  if (retryAfterMs !== undefined)
+    void reply.header("retry-after", String(Math.ceil(retryAfterMs / 1000)));
+  void reply.removeHeader("content-disposition");
+  return reply
+    .code(problem.status)
+    .header("cache-control", "no-store")
+    .type("application/problem+json")
+    .send(toJson(detailsOf(problem, context.settings.prefix, request.id)));
 }
 
 async function appOf(settings: Settings, context: Context, rates: Rates): Promise<FastifyInstance> {
@@ -130,6 +139,12 @@ async function appOf(settings: Settings, context: Context, rates: Rates): Promis
     bodyLimit: settings.maxBodyBytes,
     exposeHeadRoutes: false,
     routerOptions: { maxParamLength: 200 },
+    // Paths that are none come here before any hook.
+    frameworkErrors: (error, request, reply) => {
+      void reply.header("x-request-id", request.id);
+      addHeaders(reply, false);
+      tell(context, error, request as FastifyRequest, reply as FastifyReply);
+    },
   }) as unknown as FastifyInstance;
   app.removeContentTypeParser("text/plain");
   app.decorateRequest("caller");

@@ -28,15 +28,21 @@ export interface FileLimits {
   triangles: number;
 }
 
+/** A text of a file without what ends lines or means something to a terminal. */
+export const harmless = (text: string): string =>
+  // eslint-disable-next-line no-control-regex
+  text.replace(/[\u0000-\u001f\u007f-\u009f\u2028\u2029\u202a-\u202e]/g, "_");
+
 /** What is wrong with a file: a sentence that names the place. */
 export class FileFault extends Error {
   override readonly name = "FileFault";
-  /** Whether it is only too large. */
+
   constructor(
     message: string,
+    /** Whether it is only too large. */
     readonly tooLarge = false,
   ) {
-    super(message);
+    super(harmless(message));
   }
 }
 
@@ -195,7 +201,5 @@ function mostParts(parts: Surface["parts"], triangles: number): Surface["parts"]
     .slice(0, mostNames)
     .map(({ firstTriangle, name }) => ({ firstTriangle, name: plainName(name) }));
 }
-/** A name without what ends lines or means something to a terminal. */
-export const plainName = (name: string): string =>
-  // eslint-disable-next-line no-control-regex
-  name.replace(/[\u0000-\u001f\u007f-\u009f\u2028\u2029]/g, "_").slice(0, 256);
+/** A name that stays on its line. */
+export const plainName = (name: string): string => harmless(name).slice(0, 256);

@@ -1,12 +1,9 @@
 // Texts of meshes, line by line and word by word.
-import { FileFault } from "./surface.js";
+import { FileFault, harmless } from "./surface.js";
 
-/** A word of the file in a sentence: short, and without what means something to a terminal. */
-export const quoted = (word: string): string => {
-  // eslint-disable-next-line no-control-regex
-  const plain = word.slice(0, 40).replace(/[\u0000-\u001f\u007f-\u009f]/g, "?");
-  return `'${plain}${word.length > 40 ? "…" : ""}'`;
-};
+/** A word of the file in a sentence, cut off where it is long. */
+export const quoted = (word: string): string =>
+  `'${harmless(word.slice(0, 40))}${word.length > 40 ? "…" : ""}'`;
 
 /** A decimal number, which has to be finite. */
 export function numberOf(word: string, line: number): number {

@@ -15,13 +15,13 @@ function bytesOf(local: Shape["local"]): Buffer {
   return local.BYTES_PER_ELEMENT === 2 ? Buffer.from(bytes).swap16() : Buffer.from(bytes).swap32();
 }
 
-/** `skipped` shapes came before this one and were not sent. */
-export function frameOf(shape: Shape, skipped: number): Buffer {
+/** Since the last frame `skipped` shapes were not sent, and `replaced` updates not computed. */
+export function frameOf(shape: Shape, skipped: number, replaced: number): Buffer {
   const facts = toJson({
     origin: shape.origin,
     scale: shape.scale,
     positionError: shape.positionError,
-    replaced: shape.replaced,
+    replaced,
     skipped,
     flippedCount: shape.flippedCount,
     ...(shape.flippedIds.length > 0 && { flippedIds: shape.flippedIds }),

@@ -23,7 +23,9 @@ export class Outbox {
   #writing = false; // the network has not taken the last shape
   #unseen: number[] = []; // sequences
   #waiting: Shape | undefined;
-  #skipped = 0; // since the last one that was sent
+  // Since the last one that was sent: shapes that were not, and what those had replaced.
+  #skipped = 0;
+  #replaced = 0;
   #textBytes = 0;
   #idle: (() => void)[] = [];
 
@@ -54,6 +56,7 @@ export class Outbox {
   offer(shape: Shape): void {
     if (this.#waiting && !this.#keepsAll) {
       this.#skipped++;
+      this.#replaced += this.#waiting.replaced;
       this.#events.skipped();
     }
     this.#waiting = shape;
@@ -94,8 +97,9 @@ export class Outbox {
     const full = this.#window > 0 && this.#unseen.length >= this.#window;
     if (!shape || this.#writing || full || this.#socket.readyState !== this.#socket.OPEN) return;
     this.#waiting = undefined;
-    const frame = frameOf(shape, this.#skipped);
+    const frame = frameOf(shape, this.#skipped, shape.replaced + this.#replaced);
     this.#skipped = 0;
+    this.#replaced = 0;
     if (this.#window > 0) this.#unseen.push(shape.sequence);
     this.#writing = true;
     this.#events.sent();
