@@ -36,13 +36,21 @@ export interface Context {
   draining: () => boolean;
 }
 
-/** Aborted when the caller hangs up before the answer is sent. */
+const signals = new WeakMap<FastifyReply, AbortSignal>();
+
+/** Aborted when the caller hangs up before the answer is sent; the same for all of a request. */
 export function leaving(reply: FastifyReply): AbortSignal {
+  const known = signals.get(reply);
+  if (known) return known;
   const controller = new AbortController();
-  reply.raw.once("close", () => {
-    if (!reply.raw.writableFinished)
-      controller.abort(new Problem("CANCELLED", "The caller has left."));
-  });
+  const left = (): void => controller.abort(new Problem("CANCELLED", "The caller has left."));
+  if (reply.raw.closed || reply.raw.destroyed) left();
+  else {
+    reply.raw.once("close", () => {
+      if (!reply.raw.writableFinished) left();
+    });
+  }
+  signals.set(reply, controller.signal);
   return controller.signal;
 }
 

@@ -63,6 +63,27 @@ class Requests {
   }
 }
 
+// What bodies under way may take in memory together.
+class Bodies {
+  #bytes = 0;
+  constructor(readonly settings: Settings) {}
+
+  /** GATEWAY_BUSY where there is no room. A body that does not say its length counts as the largest. */
+  admit(request: FastifyRequest, reply: FastifyReply): void {
+    const { "content-length": length, "transfer-encoding": coding } = request.headers;
+    const { maxBytesUnderWay, maxBodyBytes } = this.settings;
+    const bytes = coding !== undefined ? maxBodyBytes : Number(length ?? 0) || 0;
+    if (bytes > 0 && this.#bytes + bytes > maxBytesUnderWay) {
+      throw new Problem("GATEWAY_BUSY", "The gateway has no room for more bodies now.", {
+        retryAfterMs: 1000,
+      });
+    }
+    if (reply.raw.closed) return;
+    this.#bytes += bytes;
+    reply.raw.once("close", () => (this.#bytes -= bytes));
+  }
+}
+
 function logOf(request: FastifyRequest, reply: FastifyReply, milliseconds: number): void {
   // The route, not the path: whoever knows the id of a session has the session.
   const route = request.routeOptions.url ?? "none";
@@ -79,6 +100,7 @@ function logOf(request: FastifyRequest, reply: FastifyReply, milliseconds: numbe
 
 function addHooks(app: FastifyInstance, context: Context, rates: Rates): void {
   const { settings, callers, metrics } = context;
+  const bodies = new Bodies(settings);
   const isApi = (request: FastifyRequest): boolean =>
     request.routeOptions.url?.startsWith(`${settings.prefix}/v1/`) === true;
   app.addHook("onRequest", async (request, reply) => {
@@ -94,6 +116,7 @@ function addHooks(app: FastifyInstance, context: Context, rates: Rates): void {
     if (context.draining() && request.routeOptions.config.always !== true) {
       throw new Problem("GATEWAY_BUSY", "The gateway is going away.", { retryAfterMs: 1000 });
     }
+    bodies.admit(request, reply);
   });
   app.addHook("onResponse", async (request, reply) => {
     const route = request.routeOptions.url ?? "none";

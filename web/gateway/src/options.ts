@@ -17,6 +17,7 @@ export const numberRules = {
   maxFileBytes: { default: 64 << 20, most: 256 << 20, about: "bytes of an uploaded file" },
   maxFileVertices: { default: 1_000_000, most: 20_000_000, about: "vertices of a file" },
   maxFileTriangles: { default: 2_000_000, most: 40_000_000, about: "triangles of a file" },
+  maxBytesUnderWay: { default: 512 << 20, most: 2 ** 40, about: "bytes of all bodies at once" },
   maxMessageBytes: { default: 1 << 20, most: 64 << 20, about: "bytes of a text on a socket" },
   maxRequestsPerMinute: { default: 600, most: 1e9, about: "requests of one user or address" },
   maxMessagesPerSecond: { default: 500, most: 1e9, about: "texts on a socket" },

@@ -250,6 +250,20 @@ test("all sockets, and all connections, together", { timeout }, () =>
   }),
 );
 
+test("bodies have a limit together", { timeout }, () =>
+  onStage(
+    async ({ url }) => {
+      const body = { mesh: plain(grid(3, 3, () => 0)) };
+      await json(`${url}/v1/flatten`, { body });
+      const large = { mesh: plain(grid(9, 9, () => 0)) };
+      const told = await problem(`${url}/v1/flatten`, { body: large }, "GATEWAY_BUSY");
+      assert.equal(told.retryAfterMs, 1000);
+      await json(`${url}/v1/flatten`, { body }); // what was answered counts no more
+    },
+    { maxBytesUnderWay: 800, maxBodyBytes: 1024 },
+  ),
+);
+
 test("metrics are told to whom they are for", { timeout }, () =>
   onStage(async ({ server }) => {
     await hold(
