@@ -65,6 +65,10 @@ function start(): void {
     saveTab(studio, takes),
   ];
   const panel = tabbed(tabs);
+  // What can be said of a pin is beside it, unless somebody is busy with something else there.
+  stage.onPick = () => {
+    if (!tabs[0].element.hidden) panel.show("pins");
+  };
 
   // ---- what is said, and the read-outs
   const polite = h("p", { class: "unseen", role: "status" });

@@ -199,6 +199,12 @@ export const words = {
       ["Delete", "removes a pin; with Shift the pose is kept"],
       ["Ctrl Z, Ctrl Shift Z", "undo, redo"],
     ] as const,
+    pointer: "Mouse and fingers",
+    pointerList: [
+      ["Click", "places a pin; Alt click removes one"],
+      ["Drag", "pulls a pin, as many as there are fingers; beside the puppet it moves the view"],
+      ["Wheel", "closer and farther"],
+    ] as const,
   },
   steps: {
     open: (name: string) => `open ${name}`,

@@ -254,6 +254,33 @@ test("the mesh is made anew with another density, and its pins stay on it", asyn
   await studio.page.context().close();
 });
 
+test("the view is moved and zoomed beside the puppet, and Alt removes a pin", async () => {
+  const studio = await stack.open();
+  const { page } = studio;
+  await threePins(studio);
+  assert.equal(await page.getByRole("tab", { selected: true }).textContent(), "Pins");
+  const before = await studio.at(320, 610);
+  const [x, y] = await studio.at(20, 20);
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x + 60, y - 30);
+  await page.mouse.up();
+  const moved = await studio.at(320, 610);
+  assert.ok(Math.abs(moved[0] - before[0] - 60) < 1 && Math.abs(moved[1] - before[1] + 30) < 1);
+  const far = await studio.at(554, 498);
+  await page.mouse.move(...moved);
+  await page.mouse.wheel(0, -300);
+  await studio.until(`stage.inWindow(554, 498)[0] > ${moved[0] + 1.2 * (far[0] - moved[0])}`);
+  const zoomed = await studio.at(320, 610);
+  assert.ok(Math.hypot(zoomed[0] - moved[0], zoomed[1] - moved[1]) < 1);
+  await studio.pinCount(3);
+  await page.keyboard.down("Alt");
+  await page.mouse.click(...zoomed);
+  await page.keyboard.up("Alt");
+  await studio.pinCount(2);
+  await page.context().close();
+});
+
 test("depth decides what is in front", async () => {
   const studio = await stack.open();
   await threePins(studio);

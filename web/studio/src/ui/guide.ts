@@ -68,17 +68,18 @@ export class Guide {
   }
 }
 
-/** The keys, in a dialog of its own. */
+const list = (entries: readonly (readonly [string, string])[]): HTMLElement =>
+  h("dl", {}, ...entries.flatMap(([key, what]) => [h("dt", {}, key), h("dd", {}, what)]));
+
+/** What pointers and keys do, in a dialog of its own. */
 export function keyHelp(): HTMLDialogElement {
   const dialog = h(
     "dialog",
-    { "aria-label": words.guide.keys },
+    { "aria-label": words.help },
+    h("h2", {}, words.guide.pointer),
+    list(words.guide.pointerList),
     h("h2", {}, words.guide.keys),
-    h(
-      "dl",
-      {},
-      ...words.guide.keyList.flatMap(([key, what]) => [h("dt", {}, key), h("dd", {}, what)]),
-    ),
+    list(words.guide.keyList),
     button(words.close, () => dialog.close(), { class: "main" }),
   );
   return dialog;

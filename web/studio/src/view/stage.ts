@@ -13,8 +13,7 @@ import { Painter } from "./painter.js";
 import { PinLayer, gripReach } from "./pin_layer.js";
 import type { Colour, Layer } from "./painter.js";
 
-/** What the tools take of the stage from above. */
-const toolsHeight = 48;
+const toolsHeight = 48; // of the stage, from above
 
 type Drag =
   | { kind: "pin"; id: string; dx: number; dy: number }
@@ -41,6 +40,8 @@ export class Stage {
   #figure: HTMLCanvasElement | undefined;
   #crossAt = { x: 0, y: 0 };
   #asked = false;
+  /** A pointer has chosen a pin. */
+  onPick: () => void = () => {};
   /** Draws nothing, to measure the rest of the way. */
   blind = false;
 
@@ -91,12 +92,13 @@ export class Stage {
     });
   }
 
-  zoom(factor: number): void {
+  /** A place of the view, in CSS pixels from its middle, stays where it is. */
+  zoom(factor: number, dx = 0, dy = 0): void {
     this.#fitted = false;
-    this.#camera = {
-      ...this.#camera,
-      zoom: Math.min(40, Math.max(0.05, this.#camera.zoom * factor)),
-    };
+    const { x, y, zoom: before } = this.#camera;
+    const zoom = Math.min(40, Math.max(0.05, before * factor));
+    const shift = 1 / before - 1 / zoom;
+    this.#camera = { x: x + dx * shift, y: y - dy * shift, zoom };
     this.ask();
   }
   fit(): void {
@@ -109,10 +111,6 @@ export class Stage {
     const { left, top } = this.element.getBoundingClientRect();
     const [vx, vy] = toView(this.#camera, this.#size.width, this.#size.height, x, y);
     return [left + vx, top + vy];
-  }
-
-  focusPin(id: string): void {
-    this.#layer.focus(id);
   }
 
   #resize(): void {
@@ -233,7 +231,9 @@ export class Stage {
       "wheel",
       (event) => {
         event.preventDefault();
-        this.zoom(Math.exp(-event.deltaY * 0.0015));
+        const { left, top, width, height } = this.element.getBoundingClientRect();
+        const [dx, dy] = [event.clientX - left - width / 2, event.clientY - top - height / 2];
+        this.zoom(Math.exp(-event.deltaY * 0.0015), dx, dy);
       },
       { passive: false },
     );
@@ -245,8 +245,11 @@ export class Stage {
     const [x, y] = this.#at(event);
     const target = event.target.closest<HTMLElement>(".pin, .grip");
     let drag: Drag | undefined;
+    const pan: Drag = { kind: "pan", x: event.clientX, y: event.clientY };
     if (event.button === 1 || event.shiftKey) {
-      drag = { kind: "pan", x: event.clientX, y: event.clientY };
+      drag = pan;
+    } else if (event.altKey && target?.dataset["pin"]) {
+      this.#studio.removePin(target.dataset["pin"]);
     } else if (this.#studio.looks.tool === "starch" && !target) {
       this.#studio.beginPaint();
       this.#studio.paint(x, y);
@@ -262,8 +265,10 @@ export class Stage {
       if (pin) {
         drag = { kind: "pin", id: pin.id, dx: pin.x - x, dy: pin.y - y };
         this.#studio.look({ chosen: pin.id });
+        this.onPick();
       } else {
         this.#studio.look({ chosen: null });
+        drag = pan;
       }
     }
     if (!drag) return;
@@ -318,7 +323,7 @@ export class Stage {
     if (this.#drags.size === 0) this.element.classList.remove("drags");
     if (drag.kind === "paint") this.#studio.endPaint();
     if (drag.kind === "pin" || drag.kind === "turn") this.#studio.endMove();
-    if (drag.kind === "pin") this.focusPin(drag.id);
+    if (drag.kind === "pin") this.#layer.focus(drag.id);
   }
 
   #showBrush(event: PointerEvent): void {
