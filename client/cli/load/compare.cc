@@ -74,6 +74,7 @@ Spread SpreadOfMean(const std::vector<double>& values) {
 Spread SpreadOfMedian(const std::vector<double>& values) {
   Spread spread{MedianOf(values), 0};
   std::vector<double> deviations;
+  deviations.reserve(values.size());
   for (const double value : values) deviations.push_back(std::abs(value - spread.center));
   // Both factors are those of the normal distribution.
   const double error = 1.2533 * 1.4826 * MedianOf(std::move(deviations));

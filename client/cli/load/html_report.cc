@@ -199,7 +199,7 @@ std::string ErrorsHtml(const LoadResults& results) {
 
 std::string SetupHtml(const LoadResults& results) {
   std::vector<std::vector<std::string>> rows{{"what", "value"}};
-  const auto add = [&](std::string_view name, std::string value) {
+  const auto add = [&](std::string_view name, const std::string& value) {
     rows.push_back({EscapeHtml(name), EscapeHtml(value)});
   };
   add("sessions", fmt::to_string(results.sessions));
