@@ -142,7 +142,10 @@ TEST(IntervalLog, GoesToTheEndOfTheRunAndNotBeyond) {
   const std::vector<Interval> intervals = log.Intervals(4);
   ASSERT_EQ(intervals.size(), 4u);
   EXPECT_EQ(intervals.back().operations[Operation::kDrag].answered, 1u);
-  EXPECT_EQ(log.Intervals(100'000).size(), 196u) << "of 512 seconds";
+  EXPECT_EQ(log.Intervals(100'000).size(), 195u) << "of 512 seconds";
+  ASSERT_EQ(log.Intervals(3.001).size(), 3u) << "a thousandth of a second is no interval";
+  EXPECT_DOUBLE_EQ(log.Intervals(3.001).back().seconds, 1.001);
+  EXPECT_EQ(log.Intervals(0.001).size(), 1u);
   EXPECT_TRUE(log.Intervals(0).empty());
 }
 

@@ -191,6 +191,7 @@ TEST(Compare, TellsWhatOneRunAloneHas) {
   LoadResults drags = MadeResults();
   drags.operations[Operation::kEdit] = {};
   drags.settings["--mix"] = "drag=1";
+  drags.settings["--json"] = "a.json";
   const LoadResults both = MadeResults();
   const auto edits = DifferenceOf(drags, both, "edit.p50");
   ASSERT_TRUE(edits);
@@ -200,6 +201,7 @@ TEST(Compare, TellsWhatOneRunAloneHas) {
   const std::string text = CompareText({"a.json", drags}, {"b.json", both}, {}, STDIN_FILENO);
   EXPECT_THAT(text, HasSubstr("--mix"));
   EXPECT_THAT(text, testing::Not(HasSubstr("--rate"))) << "the same in both";
+  EXPECT_THAT(text, testing::Not(HasSubstr("--json"))) << "where it went is no setting of the run";
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) EXPECT_LE(CharactersIn(line), 80u) << line;
   const auto json = CompareJson({"a.json", drags}, {"b.json", both}, {});

@@ -36,7 +36,7 @@ std::vector<double> ByInterval(const Metric& metric, const LoadResults& results)
     const auto failed = static_cast<double>(done.failed);
     if (interval.seconds < length) continue;
     if (metric.kind == Metric::Kind::kRate) {
-      values.push_back(answered / length);
+      values.push_back(answered / interval.seconds);
     } else if (metric.kind == Metric::Kind::kErrors && answered + failed > 0) {
       values.push_back(failed / (answered + failed));
     } else if (response && answered > 0 && metric.quantile == 0.5) {
@@ -133,12 +133,18 @@ std::string SettingOf(const LoadResults& results, const std::string& name) {
   return Printable(found->is_string() ? found->get<std::string>() : found->dump());
 }
 
+// Where the results went, which says nothing of the run.
+constexpr std::array<std::string_view, 4> kOutputSettings{"--json", "--csv", "--html",
+                                                          "--threshold"};
+
 // The names of the settings that are not the same in both.
 std::vector<std::string> DifferentSettings(const LoadResults& a, const LoadResults& b) {
   std::vector<std::string> names;
   for (const LoadResults* const results : {&a, &b}) {
     for (const auto& [name, value] : results->settings.items()) {
-      const bool known = std::find(names.begin(), names.end(), name) != names.end();
+      const bool known =
+          std::find(names.begin(), names.end(), name) != names.end() ||
+          std::find(kOutputSettings.begin(), kOutputSettings.end(), name) != kOutputSettings.end();
       if (!known && SettingOf(a, name) != SettingOf(b, name)) names.push_back(name);
     }
   }

@@ -60,15 +60,17 @@ std::vector<Interval> IntervalLog::Intervals(double end) const {
   IntervalLog log = *this;
   while (end > log.length_ * kMost) log.Double();
   const double length = log.length_;
-  const auto count = static_cast<std::size_t>(std::ceil(end / length));
+  auto count = static_cast<std::size_t>(std::ceil(end / length));
   if (count == 0) return {};
+  // A rest that is shorter than half an interval would tell of chance alone.
+  if (count > 1 && end - static_cast<double>(count - 1) * length < length / 2) --count;
   for (std::size_t i = count; i < log.cells_.size(); ++i) Add(log.cells_[i], log.cells_[count - 1]);
   log.cells_.resize(count);
   std::vector<Interval> intervals;
   for (std::size_t i = 0; i < count; ++i) {
     Interval& interval = intervals.emplace_back();
     interval.start = static_cast<double>(i) * length;
-    interval.seconds = std::min(length, end - interval.start);
+    interval.seconds = i + 1 < count ? length : end - interval.start;
     for (std::size_t k = 0; k < kOperations; ++k) {
       const auto operation = static_cast<Operation>(k);
       const Cell& cell = log.cells_[i][operation];

@@ -25,8 +25,8 @@ class IntervalLog {
   void Failed(Operation operation, double at);
   void Merge(const IntervalLog& other);
 
-  // All of them up to `end`, when the run ended, also those in which nothing happened; the last may be
-  // shorter, and has what came after `end` too.
+  // All of them up to `end`, when the run ended, also those in which nothing happened. The last has half
+  // to one and a half times the length of the others, if there are any, and what came after `end` too.
   std::vector<Interval> Intervals(double end) const;
 
  private:

@@ -96,7 +96,7 @@ struct LoadResults {
   double seconds = 0;          // from the beginning to the last answer, warm-up left out
   double warm_up_seconds = 0;  // what came before that and is in no other number; 0: nothing
   PerOperation<OperationResults> operations;
-  std::vector<Interval> intervals;   // by time, all but the last equally long
+  std::vector<Interval> intervals;   // by time; all but the last are equally long
   std::vector<LoadStep> steps;       // in the order in which they were tried
   std::optional<double> rate_found;  // the highest rate that a search found to be met, a second
   std::vector<LoadError> errors;     // by code and reason
