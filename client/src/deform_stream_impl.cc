@@ -217,7 +217,7 @@ Result<std::optional<StreamEvent>> DeformStream::Impl::ShapeOf(const v1::Shape& 
 }
 
 Result<HandleSetInfo> DeformStream::Impl::OpenCall(bool* lost) {
-  const auto call = std::make_shared<Call>(*channel_, [this](grpc::ClientContext& context) {
+  const auto call = Call::Start(channel_, [this](grpc::ClientContext& context) {
     headers_.AddTo(context);
     if (deadline_) context.set_deadline(*deadline_);
   });

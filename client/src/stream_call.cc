@@ -1,14 +1,30 @@
 #include "client/src/stream_call.h"
 
+#include <thread>
 #include <utility>
 
 namespace arap::client::internal {
 
-StreamCall::~StreamCall() {
+void StreamCall::Leave() {
+  constexpr std::chrono::milliseconds kMoment{200};
+  bool left = false;
+  {
+    const MutexLock lock(&mutex_);
+    if (!done_) context_.TryCancel();
+    if (!reading_) EndReading();
+    const auto end = std::chrono::steady_clock::now() + kMoment;
+    while (!done_ && !changed_.WaitUntil(&mutex_, end)) {
+    }
+    left = left_ = !done_;
+  }
+  if (!left) delete this;
+}
+
+void StreamCall::Cancel() {
   const MutexLock lock(&mutex_);
-  if (!done_) context_.TryCancel();
-  if (!reading_) EndReading();
-  while (!done_) changed_.Wait(&mutex_);
+  cancelled_ = true;
+  context_.TryCancel();
+  changed_.SignalAll();
 }
 
 // The hold is what allows reads and writes to be started from outside.
@@ -44,8 +60,8 @@ void StreamCall::WriteNext() {
 
 bool StreamCall::WaitSent() {
   const MutexLock lock(&mutex_);
-  while (!over_ && !broken_ && !unsent_.empty()) changed_.Wait(&mutex_);
-  return !over_ && !broken_;
+  while (!over_ && !broken_ && !cancelled_ && !unsent_.empty()) changed_.Wait(&mutex_);
+  return !over_ && !broken_ && !cancelled_;
 }
 
 bool StreamCall::is_clear() const {
@@ -64,8 +80,11 @@ bool StreamCall::Read(Response* response) {
     reading_ = true;
     StartRead(&incoming_);
   }
-  while (!got_ && !(over_ && done_)) changed_.Wait(&mutex_);
-  if (!std::exchange(got_, false)) return false;
+  while (!got_ && !cancelled_ && !(over_ && done_)) changed_.Wait(&mutex_);
+  if (!std::exchange(got_, false)) {
+    end_ = done_ ? status_ : grpc::Status(grpc::CANCELLED, "The call was cancelled.");
+    return false;
+  }
   response->Swap(&incoming_);
   return true;
 }
@@ -93,6 +112,14 @@ void StreamCall::OnDone(const grpc::Status& status) {
   done_ = true;
   // Under the lock: the object may go as soon as it is let go of.
   changed_.SignalAll();
+  // The channel goes with it, which must not happen on a thread of the channel's.
+  if (left_) std::thread([this] { DeleteLeft(); }).detach();
+}
+
+void StreamCall::DeleteLeft() {
+  // Not before OnDone has let go of the lock.
+  { const MutexLock lock(&mutex_); }
+  delete this;
 }
 
 }  // namespace arap::client::internal

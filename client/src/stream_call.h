@@ -3,7 +3,9 @@
 
 #include <chrono>
 #include <deque>
+#include <memory>
 #include <optional>
+#include <utility>
 
 #include <grpcpp/grpcpp.h>
 
@@ -20,16 +22,21 @@ class StreamCall final
   using Request = v1::StreamDeformRequest;
   using Response = v1::StreamDeformResponse;
 
-  // Starts the call; `prepare` sets up its context.
+  // Starts the call; `prepare` sets up its context. With the last pointer to it a call that has not
+  // ended is cancelled. Its end is waited for for a moment only: gRPC does not end a call while its
+  // connection is being written to, which takes for ever where the other end has stopped reading.
   template <class Prepare>
-  StreamCall(Channel& channel, const Prepare& prepare) {
-    prepare(context_);
-    channel.deformation().async()->StreamDeform(&context_, this);
-    AddHold();
-    StartCall();
+  static std::shared_ptr<StreamCall> Start(std::shared_ptr<Channel> channel,
+                                           const Prepare& prepare) {
+    auto* const call = new StreamCall(std::move(channel));
+    std::shared_ptr<StreamCall> owner(call, [](StreamCall* gone) { gone->Leave(); });
+    prepare(call->context_);
+    call->channel_->deformation().async()->StreamDeform(&call->context_, call);
+    call->AddHold();
+    call->StartCall();
+    return owner;
   }
-  // Cancels a call that has not ended, and waits for its end.
-  ~StreamCall() override;
+  ~StreamCall() override = default;
   StreamCall(const StreamCall&) = delete;
   StreamCall& operator=(const StreamCall&) = delete;
 
@@ -44,14 +51,18 @@ class StreamCall final
   // Since when the transport has not taken the message that it has; nothing when it has none.
   std::optional<std::chrono::steady_clock::time_point> writing_since() const;
 
-  // Waits for the next message. False when the call has ended: then status() tells how.
+  // Waits for the next message. False when the call has ended or was cancelled: then status() tells
+  // how.
   bool Read(Response* response);
   // After Read has said false.
-  const grpc::Status& status() const { return status_; }
+  const grpc::Status& status() const { return end_; }
 
-  void Cancel() { context_.TryCancel(); }
+  void Cancel();
 
  private:
+  explicit StreamCall(std::shared_ptr<Channel> channel) : channel_(std::move(channel)) {}
+  void Leave();
+  void DeleteLeft();
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
   void OnDone(const grpc::Status& status) override;
@@ -59,6 +70,7 @@ class StreamCall final
   void WriteNext() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void EndReading() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
+  const std::shared_ptr<Channel> channel_;
   grpc::ClientContext context_;
   mutable Mutex mutex_;
   CondVar changed_;
@@ -71,10 +83,13 @@ class StreamCall final
   bool broken_ ABSL_GUARDED_BY(mutex_) = false;  // a write has failed
   Response incoming_ ABSL_GUARDED_BY(mutex_);    // gRPC's while reading_
   bool reading_ ABSL_GUARDED_BY(mutex_) = false;
-  bool got_ ABSL_GUARDED_BY(mutex_) = false;   // incoming_ is to be taken
-  bool over_ ABSL_GUARDED_BY(mutex_) = false;  // nothing may be started any more
+  bool got_ ABSL_GUARDED_BY(mutex_) = false;        // incoming_ is to be taken
+  bool over_ ABSL_GUARDED_BY(mutex_) = false;       // nothing may be started any more
+  bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;  // by us
   bool done_ ABSL_GUARDED_BY(mutex_) = false;
-  grpc::Status status_;  // set with done_, then constant
+  bool left_ ABSL_GUARDED_BY(mutex_) = false;    // nobody has it any more
+  grpc::Status status_ ABSL_GUARDED_BY(mutex_);  // set with done_
+  grpc::Status end_;                             // the reader's
 };
 
 }  // namespace arap::client::internal
