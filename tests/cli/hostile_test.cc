@@ -199,7 +199,9 @@ TEST_F(Hostile, AStreamThatAnswersOneUpdateForEverIsLeft) {
 
 TEST_F(Hostile, AStreamThatEndsWithoutItsAnswersIsRefused) {
   Serve({.stream = [](HostileServer::Stream& stream) {
-    for (v1::StreamDeformRequest request; stream.Read(&request);) {
+    // Two sequences for each frame.
+    for (v1::StreamDeformRequest request;
+         stream.Read(&request) && request.update().sequence() < 2 * kFrames;) {
     }
     return grpc::Status::OK;
   }});

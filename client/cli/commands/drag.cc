@@ -45,6 +45,8 @@ struct DragOptions {
   StageOptions stage;
   client::Delivery delivery = client::Delivery::kLatest;
   double rate = 60;
+  std::optional<double> resume;  // seconds
+  double silence = 30;           // seconds
   std::string json;
   std::vector<PickPoint> picks;
 };
@@ -101,6 +103,8 @@ std::string TimesReport(const DragTimes& times, std::span<const Complex> points)
   Json json{{"sent", times.sent},
             {"answered", times.answered},
             {"replaced", times.replaced},
+            {"lost", times.lost},
+            {"resumed", times.resumed},
             {"round_trip_micros", ToJson(PercentilesOf(times.round_trip_micros))},
             {"queue_micros", ToJson(PercentilesOf(times.queue_micros))},
             {"solve_micros", ToJson(PercentilesOf(times.solve_micros))},
@@ -116,6 +120,34 @@ std::string TimesReport(const DragTimes& times, std::span<const Complex> points)
   return JsonText(json);
 }
 
+std::chrono::milliseconds Millis(double seconds) {
+  return std::chrono::milliseconds(std::llround(std::ceil(seconds * 1000)));
+}
+
+// A private server that is gone does not come back.
+client::StreamOptions HowToStream(const DragOptions& options) {
+  client::StreamOptions how{options.delivery, {options.stage.deform, !options.stage.out.empty()}};
+  how.resume_within = Millis(options.resume.value_or(options.stage.server.spawn ? 0 : 30));
+  how.silence = Millis(options.silence);
+  how.heartbeat = std::clamp(how.silence / 3, std::chrono::milliseconds(1), how.heartbeat);
+  how.answer = options.stage.timeout.value();
+  return how;
+}
+
+Warning ToWarning(const DragGap& gap) {
+  const auto times = [](std::size_t n) { return n == 1 ? "once" : fmt::format("{} times", n); };
+  const auto count = [](std::size_t n, const char* what) {
+    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+  };
+  return {
+      "stream_resumed",
+      gap.lost,
+      {},
+      fmt::format("The stream was lost {}{} and went on after {}; {} without a shape.",
+                  times(gap.losses), gap.after ? fmt::format(" after frame {}", *gap.after) : "",
+                  count(gap.attempts, "attempt"), count(gap.lost, "frame"))};
+}
+
 Status Drag(const DragOptions& options) {
   TRY(const Stage stage, Stage::Open(options.stage));
   std::vector<Complex> points;
@@ -129,23 +161,26 @@ Status Drag(const DragOptions& options) {
     shapes.emplace(options.stage.out, stage.mesh().vertices.size());
   }
   FilmMaker film(options.stage, stage);
-  client::StreamOptions how{options.delivery, {options.stage.deform, shapes.has_value()}};
-  how.silence = std::max(how.silence, options.stage.timeout.value());
-  TRY(client::DeformStream stream, stage.session().OpenStream(kHandleSet, how));
+  TRY(client::DeformStream stream, stage.session().OpenStream(kHandleSet, HowToStream(options)));
 
   const bool every = options.delivery == client::Delivery::kEvery;
   const auto play = [&]() -> Result<DragTimes> {
-    Patience patience(options.stage.timeout.value(), [&stream] { stream.Cancel(); });
-    const OnShape on_shape = [&](std::size_t frame, client::Shape&& shape) -> Status {
-      patience.Heard();
-      if (shapes) CHECK_OK(shapes->Write(frame, shape.positions));
-      film.Add(frame, std::move(shape.positions));
-      return {};
-    };
-    auto times = every ? DragEvery(stream, script, on_shape)
-                       : DragLatest(stream, script, options.rate, on_shape);
-    if (!times) return Fail(InOwnWords(patience.Explain(times.error()), stage.Origins()));
-    return times;
+    // The stream itself knows how long it waits; this is for Ctrl-C.
+    Patience patience(std::chrono::hours(24 * 365), [&stream] { stream.Cancel(); });
+    const DragEvents events{[&](std::size_t frame, client::Shape&& shape) -> Status {
+                              if (shapes) CHECK_OK(shapes->Write(frame, shape.positions));
+                              film.Add(frame, std::move(shape.positions));
+                              return {};
+                            },
+                            [](const DragGap& gap) { PrintWarnings({ToWarning(gap)}); }};
+    auto times = every ? DragEvery(stream, script, events)
+                       : DragLatest(stream, script, options.rate, events);
+    if (times) return times;
+    Fault fault = patience.Explain(times.error());
+    if (fault.kind == FaultKind::kDeadlineExceeded) {
+      fault.message += " --timeout is how long to wait.";
+    }
+    return Fail(InOwnWords(std::move(fault), stage.Origins()));
   };
   TRY(const DragTimes times, play());
 
@@ -155,9 +190,12 @@ Status Drag(const DragOptions& options) {
       "with flips",
       every ? "every" : "latest", times.sent, times.answered, times.replaced, round_trip.p50,
       round_trip.p99, times.frames_with_flips);
-  Say(fmt::format("{}\nsolve p50 {:.0f} µs, worst handle error {:.3g}, most flips in a frame {}\n",
-                  caption, PercentilesOf(times.solve_micros).p50, times.worst_handle_error,
-                  times.most_flips));
+  const std::string resumed = times.resumed == 0 ? ""
+                                                 : fmt::format("; resumed {} times, {} frames lost",
+                                                               times.resumed, times.lost);
+  Say(fmt::format(
+      "{}{}\nsolve p50 {:.0f} µs, worst handle error {:.3g}, most flips in a frame {}\n", caption,
+      resumed, PercentilesOf(times.solve_micros).p50, times.worst_handle_error, times.most_flips));
   for (const EditTimes& edit : times.edits) Say(Describe(edit) + "\n");
   Say(PickLines(points, times.picks, stage.mesh()));
   if (shapes) CHECK_OK(shapes->Close());
@@ -180,6 +218,19 @@ void AddDrag(CLI::App& app, Run& run) {
       ->add_option("--rate", options->rate, "updates per second, for --delivery latest; default 60")
       ->check(CLI::Range(0.1, 1e6).description(""))
       ->option_text("PER_SECOND");
+  command
+      ->add_option_function<double>(
+          "--resume", [options](double seconds) { options->resume = seconds; },
+          "open a stream that was lost again for so many seconds and go on; 0: not at all; default "
+          "30, with --spawn 0")
+      ->check(Between(0, 1e6))
+      ->option_text("SECONDS");
+  command
+      ->add_option("--silence", options->silence,
+                   "count the stream as lost when not even a sign of life was heard for so many "
+                   "seconds; default 30")
+      ->check(Positive())
+      ->option_text("SECONDS");
   command
       ->add_option("--pick", options->picks,
                    "say where this point of the last frame was at rest, and in which triangle; may "

@@ -36,16 +36,92 @@ auto NotAsked() {
 
 auto EndedEarly() { return Fail(FaultKind::kInternal, "The server ended the stream early."); }
 
-// The answers of a stream in the order of the script, each of them once.
+// What the answers of a drag amount to.
+class Tally {
+ public:
+  Tally(const DragScript& script, const DragEvents& events) : script_(script), events_(events) {}
+
+  void Sent(std::size_t updates) { times_.sent += updates; }
+  void Resumed(const client::Resumed& resumed);
+  // The answers in the order of the script.
+  Status Count(Answer answer, double round_trip_micros);
+  // There are no more.
+  DragTimes Take() {
+    Close(0);
+    return std::move(times_);
+  }
+
+ private:
+  void Close(std::size_t lost);
+
+  const DragScript& script_;
+  const DragEvents& events_;
+  DragTimes times_;
+  std::size_t next_ = 0;        // the frame after the last that was answered
+  std::optional<DragGap> gap_;  // since then
+};
+
+void Tally::Resumed(const client::Resumed& resumed) {
+  if (!gap_) gap_.emplace();
+  if (next_ > 0) gap_->after = next_ - 1;
+  ++gap_->losses;
+  gap_->attempts += resumed.attempts;
+  ++times_.resumed;
+}
+
+void Tally::Close(std::size_t lost) {
+  if (!gap_) return;
+  gap_->lost = lost;
+  times_.lost += lost;
+  events_.on_gap(*gap_);
+  gap_.reset();
+}
+
+Status Tally::Count(Answer answer, double round_trip_micros) {
+  const client::Shape& shape = answer.shape;
+  const std::size_t frame = answer.cue.frame;
+  if (answer.cue.edit) {
+    const TrackEdit& edit = *script_.EditAt(frame);
+    times_.edits.push_back({frame, edit.remove.size(), edit.add.size(), shape.queue_micros,
+                            shape.solve_micros, round_trip_micros});
+    return {};
+  }
+  // Those between have no answer: newer ones took their place, on the server or, while the stream
+  // was lost, in the client library.
+  const std::size_t skipped = frame - next_;
+  if (gap_) {
+    Close(skipped);
+  } else {
+    times_.replaced += skipped;
+  }
+  next_ = frame + 1;
+  ++times_.answered;
+  times_.round_trip_micros.push_back(round_trip_micros);
+  times_.queue_micros.push_back(shape.queue_micros);
+  times_.solve_micros.push_back(shape.solve_micros);
+  if (shape.quality.flipped > 0) ++times_.frames_with_flips;
+  times_.most_flips = std::max(times_.most_flips, shape.quality.flipped);
+  times_.worst_handle_error = std::max(times_.worst_handle_error, shape.quality.worst_handle_error);
+  if (!shape.picks.empty()) times_.picks = std::move(answer.shape.picks);
+  return events_.on_shape(frame, std::move(answer.shape));
+}
+
+// The answers of a stream in the order of the script, each of them once. Losses go to the tally.
 class Answers {
  public:
-  Answers(client::DeformStream& stream, const DragScript& script)
-      : stream_(stream), script_(script) {}
+  Answers(client::DeformStream& stream, const DragScript& script, Tally& tally)
+      : stream_(stream), script_(script), tally_(tally) {}
 
   // Empty at the end of the stream. Anything but an answer is a fault.
   Result<std::optional<Answer>> Next() {
-    TRY(std::optional<client::StreamEvent> event, stream_.Read());
-    if (!event) return std::optional<Answer>();
+    std::optional<client::StreamEvent> event;
+    for (const client::Resumed* resumed = nullptr;;) {
+      TRY(event, stream_.Read());
+      if (!event) return std::optional<Answer>();
+      resumed = std::get_if<client::Resumed>(&*event);
+      if (resumed == nullptr) break;
+      tally_.Resumed(*resumed);
+    }
     if (auto* error = std::get_if<client::UpdateError>(&*event)) {
       if (const auto cue = script_.CueOf(error->sequence)) {
         error->fault.message = fmt::format("{} {}: {}", cue->edit ? "edit before frame" : "frame",
@@ -74,30 +150,9 @@ class Answers {
  private:
   client::DeformStream& stream_;
   const DragScript& script_;
+  Tally& tally_;
   std::uint64_t last_ = 0;  // its sequence
 };
-
-Status Count(Answer& answer, double round_trip, const DragScript& script, const OnShape& on_shape,
-             DragTimes& times) {
-  const client::Shape& shape = answer.shape;
-  const std::size_t frame = answer.cue.frame;
-  if (answer.cue.edit) {
-    const TrackEdit& edit = *script.EditAt(frame);
-    times.edits.push_back({frame, edit.remove.size(), edit.add.size(), shape.queue_micros,
-                           shape.solve_micros, round_trip});
-    return {};
-  }
-  ++times.answered;
-  times.round_trip_micros.push_back(round_trip);
-  times.queue_micros.push_back(shape.queue_micros);
-  times.solve_micros.push_back(shape.solve_micros);
-  times.replaced += shape.replaced;
-  if (shape.quality.flipped > 0) ++times.frames_with_flips;
-  times.most_flips = std::max(times.most_flips, shape.quality.flipped);
-  times.worst_handle_error = std::max(times.worst_handle_error, shape.quality.worst_handle_error);
-  if (!shape.picks.empty()) times.picks = std::move(answer.shape.picks);
-  return on_shape(frame, std::move(answer.shape));
-}
 
 // Whether it neither turns nor scales a handle.
 bool IsPlain(const TrackFrame& frame) {
@@ -156,9 +211,9 @@ std::optional<DragCue> DragScript::CueOf(std::uint64_t sequence) const {
 }
 
 Result<DragTimes> DragEvery(client::DeformStream& stream, const DragScript& script,
-                            const OnShape& on_shape) {
-  DragTimes times;
-  Answers answers(stream, script);
+                            const DragEvents& events) {
+  Tally tally(script, events);
+  Answers answers(stream, script, tally);
   TrackSegments segments(script.track());
   const auto ask = [&](std::size_t frame, bool edit) -> Status {
     const Clock::time_point sent = Clock::now();
@@ -167,19 +222,18 @@ Result<DragTimes> DragEvery(client::DeformStream& stream, const DragScript& scri
     TRY(std::optional<Answer> answer, answers.Next());
     if (!answer) return EndedEarly();
     if (answer->cue.frame != frame || answer->cue.edit != edit) return NotAsked();
-    return Count(*answer, MicrosSince(sent), script, on_shape, times);
+    return tally.Count(*std::move(answer), MicrosSince(sent));
   };
   for (std::size_t i = 0; i < script.frame_count(); ++i) {
     if (script.EditAt(i) != nullptr) CHECK_OK(ask(i, /*edit=*/true));
-    ++times.sent;
+    tally.Sent(1);
     CHECK_OK(ask(i, /*edit=*/false));
   }
-  return times;
+  return tally.Take();
 }
 
 Result<DragTimes> DragLatest(client::DeformStream& stream, const DragScript& script, double rate,
-                             const OnShape& on_shape) {
-  DragTimes times;
+                             const DragEvents& events) {
   const Clock::time_point start = Clock::now();
   const auto due = [&](std::size_t frame) {
     const std::chrono::duration<double> after(static_cast<double>(frame) / rate);
@@ -197,20 +251,22 @@ Result<DragTimes> DragLatest(client::DeformStream& stream, const DragScript& scr
         break;
       }
     }
-    (void)stream.CloseSending();
   });
-  times.sent = script.frame_count();
+  Tally tally(script, events);
+  tally.Sent(script.frame_count());
   const Status read = [&]() -> Status {
-    for (Answers answers(stream, script);;) {
+    for (Answers answers(stream, script, tally);;) {
+      if (answers.HasAll()) (void)stream.CloseSending();
       TRY(std::optional<Answer> answer, answers.Next());
       if (!answer) {
         if (answers.HasAll()) return {};
         return EndedEarly();
       }
-      CHECK_OK(Count(*answer, MicrosSince(due(answer->cue.frame)), script, on_shape, times));
+      const double late = MicrosSince(due(answer->cue.frame));
+      CHECK_OK(tally.Count(*std::move(answer), late));
     }
   }();
-  if (read) return times;
+  if (read) return tally.Take();
   stream.Cancel();  // frees a writer that waits for the server to read
   return Fail(read.error());
 }

@@ -54,6 +54,14 @@ class DragScript {
   bool packed_;  // no frame turns or scales a handle: updates are positions alone
 };
 
+// A loss of the stream, or several with no shape between them, after which it went on.
+struct DragGap {
+  std::optional<std::size_t> after;  // the last frame that was answered before
+  std::size_t losses = 0;
+  std::size_t attempts = 0;  // to open the stream again, in all
+  std::size_t lost = 0;      // frames that have no shape for it
+};
+
 struct DragTimes {
   std::vector<double> round_trip_micros;  // per answer
   std::vector<double> queue_micros;
@@ -61,6 +69,8 @@ struct DragTimes {
   std::size_t sent = 0;
   std::size_t answered = 0;
   std::size_t replaced = 0;  // by newer updates, in LATEST delivery
+  std::size_t lost = 0;      // the same while the stream was lost; the three make up `sent`
+  std::size_t resumed = 0;   // how often the stream was lost and went on
   std::size_t frames_with_flips = 0;
   std::size_t most_flips = 0;  // in one frame
   double worst_handle_error = 0;
@@ -68,18 +78,26 @@ struct DragTimes {
   std::vector<std::optional<Pick>> picks;  // of the script's points, on the last frame
 };
 
-// Called for every frame that is answered, in order, on the calling thread. A fault ends the drag.
-using OnShape = std::function<Status(std::size_t frame, client::Shape&& shape)>;
+// What is done on the way, on the calling thread.
+struct DragEvents {
+  // For every frame that is answered, in order. A fault ends the drag.
+  std::function<Status(std::size_t frame, client::Shape&& shape)> on_shape;
+  // For every gap, with the first frame that is answered after it, or at the end.
+  std::function<void(const DragGap& gap)> on_gap;
+};
 
+// Both go on over losses of a stream that resumes.
+//
 // EVERY delivery: each update, and each edit, is sent when the one before is answered. The round
 // trip is counted from the sending.
 Result<DragTimes> DragEvery(client::DeformStream& stream, const DragScript& script,
-                            const OnShape& on_shape);
+                            const DragEvents& events);
 
 // LATEST delivery: `rate` updates a second (above 0), whatever the server does. The round trip is
 // counted from when an update, or the one after an edit, was due, so a late sender does not flatter
-// it.
+// it. Sending is closed when the last frame has its answer, so that until then a silent server can
+// be asked for a sign of life.
 Result<DragTimes> DragLatest(client::DeformStream& stream, const DragScript& script, double rate,
-                             const OnShape& on_shape);
+                             const DragEvents& events);
 
 }  // namespace arap::cli
