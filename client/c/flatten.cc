@@ -1,20 +1,11 @@
-// Flattening for C.
+// Flattening for C, and what its jobs share with it.
 #include <utility>
 
-#include "client/c/objects.h"
+#include "client/c/flat.h"
 
-using arap::Result;
 using arap::Status;
-using arap::c::ArrayOf;
 using arap::c::Need;
 namespace client = arap::client;
-
-// NOLINTBEGIN(readability-identifier-naming): the names of C.
-struct arap_flat {
-  client::Flattening flat;
-  arap_warnings warnings;
-};
-// NOLINTEND(readability-identifier-naming)
 
 namespace arap::c {
 namespace {
@@ -48,6 +39,8 @@ Status FillCuts(const arap_flatten_options& given, client::FlattenOptions& optio
   return {};
 }
 
+}  // namespace
+
 Result<client::FlattenQuery> QueryOf(const arap_flatten_options& given, std::size_t triangles) {
   client::FlattenQuery query;
   client::FlattenOptions& options = query.options;
@@ -66,10 +59,32 @@ Result<client::FlattenQuery> QueryOf(const arap_flatten_options& given, std::siz
     options.grain_lines.push_back({grain.from, grain.to, grain.angle});
   }
   query.float64 = given.float64 != 0;
+  CHECK_OK(FillDrawings(given, query));
   return query;
 }
 
-}  // namespace
+Result<client::SurfaceMesh> SurfaceOf(const double* vertices, std::size_t vertex_count,
+                                      const std::uint32_t* triangles, std::size_t triangle_count) {
+  CHECK_OK(ArrayOf(vertices, vertex_count, "vertices"));
+  client::SurfaceMesh mesh;
+  mesh.vertices.resize(vertex_count);
+  for (std::size_t i = 0; i < vertex_count; ++i) {
+    mesh.vertices[i] = {vertices[3 * i], vertices[3 * i + 1], vertices[3 * i + 2]};
+  }
+  TRY(mesh.triangles, TrianglesOf(triangles, triangle_count));
+  return mesh;
+}
+
+arap_flat* FlatOf(client::FlatSurface&& flat) {
+  auto answer = std::make_unique<arap_flat>();
+  answer->flat = std::move(flat.flat);
+  answer->warnings.all = std::move(answer->flat.warnings);
+  for (client::Drawing& drawing : flat.drawings) {
+    answer->drawings.push_back({std::move(drawing.files), {std::move(drawing.warnings)}});
+  }
+  return answer.release();
+}
+
 }  // namespace arap::c
 
 extern "C" {
@@ -81,21 +96,12 @@ arap_error* arap_flatten(const arap_client* client, const double* vertices, size
   return arap::c::Guard([&]() -> Status {
     CHECK_OK(Need(client, "client"));
     CHECK_OK(Need(out, "out"));
-    client::SurfaceMesh mesh;
-    CHECK_OK(ArrayOf(vertices, vertex_count, "vertices"));
-    mesh.vertices.resize(vertex_count);
-    for (std::size_t i = 0; i < vertex_count; ++i) {
-      mesh.vertices[i] = {vertices[3 * i], vertices[3 * i + 1], vertices[3 * i + 2]};
-    }
-    TRY(mesh.triangles, arap::c::TrianglesOf(triangles, triangle_count));
+    TRY(const auto mesh, arap::c::SurfaceOf(vertices, vertex_count, triangles, triangle_count));
     TRY(const auto given, arap::c::OptionsOf(options, "options"));
     TRY(const auto query, arap::c::QueryOf(given, triangle_count));
     TRY(const auto calling, arap::c::CallOf(call));
     TRY(auto flat, client->client.Flatten(mesh, query, calling));
-    auto answer = std::make_unique<arap_flat>();
-    answer->flat = std::move(flat.flat);
-    answer->warnings.all = std::move(answer->flat.warnings);
-    *out = answer.release();
+    *out = arap::c::FlatOf(std::move(flat));
     return {};
   });
 }

@@ -1,4 +1,4 @@
-// What is behind the pointers that C holds, and what sessions and streams both take from C.
+// What is behind the pointers that C holds, and what sessions, shapes and streams take from C.
 #pragma once
 
 #include <cstddef>
@@ -24,6 +24,11 @@ struct arap_shape {
 // NOLINTEND(readability-identifier-naming)
 
 namespace arap::c {
+
+// "handles[3].id".
+inline std::string Member(const char* field, std::size_t index, const char* member) {
+  return std::string(field) + "[" + std::to_string(index) + "]." + member;
+}
 
 Result<std::vector<client::Handle>> HandlesOf(const arap_handle* handles, std::size_t count,
                                               const char* field);

@@ -1,4 +1,4 @@
-// Connections, sessions, meshes, handles and single shapes for C.
+// Connections, sessions, meshes and handles for C.
 #include <utility>
 
 #include "client/c/objects.h"
@@ -30,10 +30,6 @@ struct arap_handle_set {
 
 namespace arap::c {
 namespace {
-
-std::string Member(const char* field, std::size_t index, const char* member) {
-  return std::string(field) + "[" + std::to_string(index) + "]." + member;
-}
 
 Result<client::Handle> HandleOf(const arap_handle& given, const char* field, std::size_t index) {
   client::Handle handle;
@@ -98,17 +94,6 @@ Result<std::vector<client::Handle>> HandlesOf(const arap_handle* handles, std::s
   for (const arap_handle& handle : given) {
     TRY(auto next, HandleOf(handle, field, ours.size()));
     ours.push_back(std::move(next));
-  }
-  return ours;
-}
-
-Result<std::vector<client::HandleTarget>> TargetsOf(const arap_target* targets, std::size_t count) {
-  TRY(const auto given, ArrayOf(targets, count, "targets"));
-  std::vector<client::HandleTarget> ours;
-  ours.reserve(count);
-  for (const arap_target& target : given) {
-    TRY(auto id, IdOf(target.handle_id, Member("targets", ours.size(), "handle_id").c_str()));
-    ours.push_back({std::move(id), {{target.x, target.y}, target.angle, target.scale}});
   }
   return ours;
 }
@@ -275,22 +260,5 @@ const char* arap_handle_set_handle_id(const arap_handle_set* set, size_t index) 
 uint64_t arap_handle_set_revision(const arap_handle_set* set) { return set->info.revision; }
 const arap_warnings* arap_handle_set_warnings(const arap_handle_set* set) { return &set->warnings; }
 void arap_handle_set_free(arap_handle_set* set) { delete set; }
-
-arap_error* arap_deform(const arap_session* session, const char* handle_set_id,
-                        const arap_target* targets, size_t target_count,
-                        const arap_shape_options* options, const arap_call_options* call,
-                        arap_shape** out) {
-  return Guard([&]() -> Status {
-    CHECK_OK(Need(session, "session"));
-    CHECK_OK(Need(out, "out"));
-    TRY(const auto id, IdOf(handle_set_id, "handle_set_id"));
-    TRY(const auto ours, arap::c::TargetsOf(targets, target_count));
-    TRY(const auto shaping, arap::c::ShapeOptionsOf(options, "options"));
-    TRY(const auto calling, CallOf(call));
-    TRY(auto shape, session->session.Deform(id, ours, shaping, {}, calling));
-    *out = new arap_shape{std::move(shape)};
-    return {};
-  });
-}
 
 }  // extern "C"

@@ -1,4 +1,4 @@
-// Live streams and shapes for C.
+// Live streams for C.
 #include <optional>
 #include <utility>
 #include <variant>
@@ -47,80 +47,11 @@ std::unique_ptr<arap_event> EventOf(std::optional<client::StreamEvent>&& event) 
   return ours;
 }
 
-Result<client::DeformMode> ModeOf(std::int32_t mode) {
-  switch (mode) {
-    case ARAP_MODE_DEFAULT:
-    case ARAP_MODE_RIGID:
-      return client::DeformMode::kRigid;
-    case ARAP_MODE_SIMILARITY:
-      return client::DeformMode::kSimilarity;
-    case ARAP_MODE_BASELINE:
-      return client::DeformMode::kBaseline;
-    default:
-      return Fail(Bad("mode", "There is no mode with the number " + std::to_string(mode) + "."));
-  }
-}
-
-Result<client::PositionEncoding> EncodingOf(std::int32_t encoding) {
-  switch (encoding) {
-    case ARAP_ENCODING_DEFAULT:
-    case ARAP_FLOAT32:
-      return client::PositionEncoding::kFloat32;
-    case ARAP_FLOAT32_LE:
-      return client::PositionEncoding::kFloat32Le;
-    case ARAP_INT16_LE:
-      return client::PositionEncoding::kInt16Le;
-    default:
-      return Fail(Bad("encoding",
-                      "There is no encoding with the number " + std::to_string(encoding) + "."));
-  }
-}
-
 }  // namespace
-
-Result<client::ShapeOptions> ShapeOptionsOf(const arap_shape_options* options, const char* field) {
-  TRY(const auto given, OptionsOf(options, field));
-  client::ShapeOptions ours;
-  TRY(ours.deform.mode, ModeOf(given.mode));
-  if (given.refine < 0) return Fail(Bad("refine", "refine is below 0."));
-  ours.deform.refine = given.refine;
-  ours.float64 = given.float64 != 0;
-  ours.flipped_ids = given.flipped_ids != 0;
-  TRY(ours.encoding, EncodingOf(given.encoding));
-  ours.boundary_only = given.boundary_only != 0;
-  TRY(const auto subset, ArrayOf(given.vertex_subset, given.vertex_subset_count, "vertex_subset"));
-  ours.vertex_subset.assign(subset.begin(), subset.end());
-  return ours;
-}
 
 }  // namespace arap::c
 
 extern "C" {
-
-size_t arap_shape_vertex_count(const arap_shape* shape) { return shape->shape.positions.size(); }
-const double* arap_shape_positions(const arap_shape* shape) {
-  return arap::c::Doubles(shape->shape.positions);
-}
-const uint32_t* arap_shape_vertices(const arap_shape* shape) {
-  return shape->shape.vertices.empty() ? nullptr : shape->shape.vertices.data();
-}
-double arap_shape_position_error(const arap_shape* shape) { return shape->shape.position_error; }
-arap_quality arap_shape_quality(const arap_shape* shape) {
-  const client::ShapeQuality& quality = shape->shape.quality;
-  return {quality.flipped, quality.worst_handle_error, quality.energy, quality.mean_stretch,
-          quality.max_stretch};
-}
-const char* arap_shape_worst_handle(const arap_shape* shape) {
-  return shape->shape.worst_handle_id.c_str();
-}
-size_t arap_shape_flipped_count(const arap_shape* shape) { return shape->shape.flipped_ids.size(); }
-const uint32_t* arap_shape_flipped(const arap_shape* shape) {
-  return shape->shape.flipped_ids.data();
-}
-uint64_t arap_shape_sequence(const arap_shape* shape) { return shape->shape.sequence; }
-uint64_t arap_shape_replaced(const arap_shape* shape) { return shape->shape.replaced; }
-uint64_t arap_shape_revision(const arap_shape* shape) { return shape->shape.handle_set_revision; }
-void arap_shape_free(arap_shape* shape) { delete shape; }
 
 arap_error* arap_open_stream(const arap_session* session, const char* handle_set_id,
                              const arap_stream_options* options, const arap_call_options* call,
@@ -158,11 +89,18 @@ arap_error* arap_stream_move(arap_stream* stream, uint64_t sequence, const doubl
 
 arap_error* arap_stream_move_some(arap_stream* stream, uint64_t sequence,
                                   const arap_target* targets, size_t target_count) {
+  return arap_stream_move_and_pick(stream, sequence, targets, target_count, nullptr, 0);
+}
+
+arap_error* arap_stream_move_and_pick(arap_stream* stream, uint64_t sequence,
+                                      const arap_target* targets, size_t target_count,
+                                      const double* points, size_t point_count) {
   return Guard([&]() -> Status {
     CHECK_OK(Need(stream, "stream"));
     client::HandleUpdate update;
     update.sequence = sequence;
     TRY(update.targets, arap::c::TargetsOf(targets, target_count));
+    TRY(update.pick_points, arap::c::PointsOf(points, point_count, "points"));
     return stream->stream.Send(update);
   });
 }

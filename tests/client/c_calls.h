@@ -9,7 +9,12 @@ extern "C" {
  * as it should be. */
 const char* CDrag(const char* address);
 const char* CEdits(const char* address);
+const char* CPicks(const char* address);
+const char* CTracks(const char* address);
+const char* COutlines(const char* address);
 const char* CFlatten(const char* address);
+const char* CDrawings(const char* address);
+const char* CJobs(const char* address);
 const char* CRefusals(const char* address);
 /* The same for what needs no server. */
 const char* CBadArguments(void);

@@ -30,6 +30,11 @@ class ProgramInC : public ::testing::Test {
 
 TEST_F(ProgramInC, Drags) { EXPECT_STREQ(CDrag(address()), nullptr); }
 TEST_F(ProgramInC, EditsAndCancels) { EXPECT_STREQ(CEdits(address()), nullptr); }
+TEST_F(ProgramInC, Picks) { EXPECT_STREQ(CPicks(address()), nullptr); }
+TEST_F(ProgramInC, PlaysTracks) { EXPECT_STREQ(CTracks(address()), nullptr); }
+TEST_F(ProgramInC, MeshesOutlines) { EXPECT_STREQ(COutlines(address()), nullptr); }
+TEST_F(ProgramInC, Draws) { EXPECT_STREQ(CDrawings(address()), nullptr); }
+TEST_F(ProgramInC, HasJobs) { EXPECT_STREQ(CJobs(address()), nullptr); }
 TEST_F(ProgramInC, Flattens) { EXPECT_STREQ(CFlatten(address()), nullptr); }
 TEST_F(ProgramInC, IsToldWhatIsWrong) { EXPECT_STREQ(CRefusals(address()), nullptr); }
 TEST(ProgramInCWithoutServer, IsToldWhatIsWrong) { EXPECT_STREQ(CBadArguments(), nullptr); }
