@@ -20,16 +20,18 @@ OrderedJson ErrorOf(Exit exit) {
   return {{"exit_code", static_cast<int>(exit)}, {"class", InfoOf(exit).name}};
 }
 
+}  // namespace
+
 OrderedJson WarningsJson(const std::vector<Warning>& warnings) {
   OrderedJson list = OrderedJson::array();
   for (const Warning& warning : warnings) {
-    list.push_back(
-        {{"kind", warning.kind}, {"count", warning.count}, {"message", warning.message}});
+    list.push_back({{"kind", warning.kind},
+                    {"count", warning.count},
+                    {"elements", warning.elements},
+                    {"message", warning.message}});
   }
   return list;
 }
-
-}  // namespace
 
 OrderedJson ErrorJson(const Fault& fault) {
   OrderedJson error = ErrorOf(ExitOf(fault.kind));
@@ -61,7 +63,9 @@ int Finish(const Result<Reply>& reply, bool json) {
   const int code = reply ? kOk : Complain(reply.error());
   if (json) {
     OrderedJson document = reply ? reply->json : ErrorJson(reply.error());
-    if (!PrintedWarnings().empty()) document["warnings"] = WarningsJson(PrintedWarnings());
+    if (!PrintedWarnings().empty() && !document.contains("warnings")) {
+      document["warnings"] = WarningsJson(PrintedWarnings());
+    }
     fmt::print("{}", JsonText(document));
   } else if (reply) {
     Say(reply->text);

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -26,11 +27,14 @@ OrderedJson ErrorJson(const Fault& fault);
 // The same for a wrong command line, which has no reason.
 OrderedJson UsageErrorJson(const std::string& message);
 
+// [{"kind": …, "count": …, "elements": […], "message": …}].
+OrderedJson WarningsJson(const std::vector<Warning>& warnings);
+
 // --json.
 void AddJson(CLI::App& command, bool& json);
 
 // Prints the answer, or complains; of JSON it is the document, with the warnings that were printed since
-// the command began as "warnings". Answers the exit code.
+// the command began as "warnings" unless it has some. Answers the exit code.
 int Finish(const Result<Reply>& reply, bool json);
 
 // As SetAction, for an action that answers. `Options` has a member `json`, which is set by --json.

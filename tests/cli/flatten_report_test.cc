@@ -44,7 +44,7 @@ Pattern Drawn(const client::FlatSurface& answer, double millimetres_per_unit = 1
 }
 
 std::string Report(const client::FlatSurface& answer, bool sigma = false) {
-  return JsonReport(kTriangle, answer, Drawn(answer), sigma);
+  return ReportJson(kTriangle, answer, Drawn(answer), sigma).dump();
 }
 
 TEST(FlattenReport, HasEverythingThatIsKnown) {

@@ -1,4 +1,5 @@
-// What arapctl says of itself: exit codes, help, suggestions, completion and man pages, without a server.
+// What arapctl says of itself: exit codes, help, suggestions, completion and man pages, without a
+// server.
 #include <cstdlib>
 #include <fstream>
 #include <map>
@@ -138,6 +139,47 @@ TEST(HelpText, HasEightyColumnsAndExamples) {
       EXPECT_THAT(help, HasSubstr("\n  arapctl " + name.substr(8))) << name;
     }
   }
+}
+
+// The commands that the table "JSON" of docs/arapctl.md has rows for: "mesh show", "every delete".
+// A word without the command above it is of the one before it.
+std::set<std::string> CommandsOfTheJsonTable() {
+  const std::string page = ReadPage();
+  std::istringstream lines(page.substr(page.find("\n## JSON\n")));
+  std::set<std::string> commands;
+  for (std::string line; std::getline(lines, line) && !line.starts_with("Any of them");) {
+    if (!line.starts_with("| ")) continue;
+    const std::string cell = line.substr(0, line.find('|', 1));
+    std::string group = cell.starts_with("| every ") ? "every" : "";
+    for (std::size_t at = 0; (at = cell.find('`', at)) != std::string::npos;) {
+      const std::size_t end = cell.find('`', at + 1);
+      std::string name = cell.substr(at + 1, end - at - 1);
+      if (!group.empty() && name.find(' ') == std::string::npos) name = group + " " + name;
+      group = name.substr(0, name.find(' '));
+      commands.insert(name);
+      at = end + 1;
+    }
+  }
+  return commands;
+}
+
+void ExpectJson(const CLI::App& command, const std::string& name,
+                const std::set<std::string>& documented) {
+  const std::vector<const CLI::App*> inner = CommandsOf(command);
+  for (const CLI::App* one : inner) {
+    ExpectJson(*one, name.empty() ? one->get_name() : name + " " + one->get_name(), documented);
+  }
+  // What these print is for a shell, a pager and people.
+  const bool is_text = name == "completion" || name == "man" || name == "help";
+  if (!inner.empty() || is_text) return;
+  EXPECT_NE(command.get_option_no_throw("--json"), nullptr) << name;
+  const bool removes = name.ends_with(" delete") && documented.contains("every delete");
+  EXPECT_TRUE(removes || documented.contains(name)) << name << " has no row in docs/arapctl.md";
+}
+
+TEST(Json, IsAnswerOfEveryCommandAndDocumented) {
+  cli::Run run;
+  ExpectJson(*MakeCommandLine("1", run), "", CommandsOfTheJsonTable());
 }
 
 // The command lines of the examples are right, but for files and servers that are not there.

@@ -63,6 +63,33 @@ TEST_F(StandardStreams, AreReadAndWrittenEverywhere) {
   EXPECT_GT(Parse(times.out)["answered"], 0);
 }
 
+TEST_F(StandardStreams, FlattenAndSampleAnswerInJson) {
+  const Outcome flat = Arapctl({"flatten", Path("grid.obj"), "--spawn", "--json", "--report",
+                                Path("r.json"), "--compare", Path("c.svg")});
+  ASSERT_EQ(flat.code, 0) << flat.err;
+  nlohmann::json document = Parse(flat.out);
+  EXPECT_EQ(document["vertices"], 25);
+  EXPECT_EQ(document["distortion"]["flipped"], 0);
+  ASSERT_EQ(document["comparison"].size(), 6u);
+  EXPECT_EQ(document["comparison"][0]["distortion"]["flipped"], 0);
+  document.erase("comparison");
+  EXPECT_EQ(document, Parse(Slurp(Path("r.json"))));
+
+  const Outcome sample = Arapctl({"sample", "grid", "--size", "4", "--out", Path("s.obj"),
+                                  "--track", Path("s.json"), "--json"});
+  ASSERT_EQ(sample.code, 0) << sample.err;
+  const nlohmann::json made = Parse(sample.out);
+  EXPECT_EQ(made["mesh"], Path("s.obj"));
+  EXPECT_EQ(made["vertices"], 16);
+  EXPECT_EQ(made["track"], Path("s.json"));
+  EXPECT_EQ(made["frames"], 60);
+
+  Put("bad.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n");
+  const Outcome bad = Arapctl({"flatten", Path("bad.obj"), "--spawn", "--json"});
+  EXPECT_EQ(bad.code, 3);
+  EXPECT_EQ(Parse(bad.out)["error"]["class"], "refused");
+}
+
 TEST_F(StandardStreams, AnImageComesThroughThemToo) {
   const std::string image = DrawnPng(40, 40, [](double x, double y) {
     const bool inside = x > 8 && x < 32 && y > 8 && y < 32;

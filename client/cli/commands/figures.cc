@@ -8,7 +8,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/lay_flat.h"
 #include "client/cli/connect/connection.h"
-#include "client/cli/report.h"
+#include "client/cli/reply.h"
 #include "client/cli/sample/samples.h"
 #include "core/base/try.h"
 #include "core/drawing/comparison.h"
@@ -22,6 +22,7 @@ namespace {
 struct FiguresOptions {
   ServerFlags server;
   std::string out = ".";
+  bool json = false;
 };
 
 // The sample character at a session, pulled by its five handles into one pose.
@@ -131,10 +132,15 @@ Status DrawFlattenings(const client::Client& client, const std::string& folder) 
                        "A face laid flat; the squares have one size on every layout"));
 }
 
-Status Draw(const FiguresOptions& options) {
+Result<Reply> Draw(const FiguresOptions& options) {
   TRY(const Connection connection, Connection::Open(options.server));
   CHECK_OK(DrawDeformations(connection.client(), options.out));
-  return DrawFlattenings(connection.client(), options.out);
+  CHECK_OK(DrawFlattenings(connection.client(), options.out));
+  Reply reply;
+  for (const char* name : {"figure2.svg", "figure3.svg", "figure6.svg"}) {
+    reply.json["files"].push_back(options.out + "/" + name);
+  }
+  return reply;
 }
 
 }  // namespace
@@ -153,7 +159,7 @@ void AddFigures(CLI::App& app, Run& run) {
             return writable ? std::string() : writable.error().message;
           },
           ""));
-  SetAction(*command, run, options, &Draw);
+  SetReply(*command, run, options, &Draw);
 }
 
 }  // namespace arap::cli

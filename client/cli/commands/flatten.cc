@@ -3,12 +3,14 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/draw_flat.h"
 #include "client/cli/commands/flatten_flags.h"
 #include "client/cli/commands/flatten_report.h"
 #include "client/cli/commands/lay_flat.h"
+#include "client/cli/reply.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
 #include "core/drawing/comparison.h"
@@ -23,10 +25,10 @@ namespace arap::cli {
 namespace {
 
 // The surface with its layout, as --out and --vt want it.
-Status WriteSurface(const FlattenFlags& flags, const SurfaceFile& file, const Flattening& flat) {
+Status WriteSurface(const FlattenFlags& flags, const SurfaceFile& file, const Flattening& flat,
+                    std::vector<Warning>& warnings) {
   if (flags.out.empty()) return {};
   const bool unit = flags.vt == FlattenFlags::Vt::kUnit;
-  std::vector<Warning> warnings;
   const std::string text =
       FormatLayout(file, unit ? InUnitSquare(flat.uv) : flat.uv, flat.corner_uv, warnings);
   if (file.text.empty()) {
@@ -41,8 +43,10 @@ Status WriteSurface(const FlattenFlags& flags, const SurfaceFile& file, const Fl
   return WriteTextFile(flags.out, text);
 }
 
-Status WriteLayout(const FlattenFlags& flags, const std::vector<GrainLine>& grain,
-                   const SurfaceFile& file, const Counting& counting, client::FlatSurface answer) {
+// Writes what is asked for. Answers the summary and the report.
+Result<Reply> WriteLayout(const FlattenFlags& flags, const std::vector<GrainLine>& grain,
+                          const SurfaceFile& file, const Counting& counting,
+                          client::FlatSurface answer) {
   const SurfaceMesh& mesh = file.mesh;
   const Flattening& flat = answer.flat;
   const DrawingFlags& drawing = flags.drawing;
@@ -56,28 +60,34 @@ Status WriteLayout(const FlattenFlags& flags, const std::vector<GrainLine>& grai
     answer.flat.warnings.insert(answer.flat.warnings.end(), more.begin(), more.end());
   }
   const std::vector<std::string> summary = Summary(flat, pattern);
-  for (const std::string& line : summary) Say(line + "\n");
   CHECK_OK(WriteDrawings(drawing, pattern, summary));
-  CHECK_OK(WriteSurface(flags, file, flat));
-  if (flags.report.empty()) return {};
-  return WriteTextFile(flags.report, JsonReport(mesh, answer, pattern, flags.sigma));
+  std::vector<Warning> of_files;
+  CHECK_OK(WriteSurface(flags, file, flat, of_files));
+  Reply reply{ReportJson(mesh, answer, pattern, flags.sigma), {}};
+  if (!flags.report.empty()) CHECK_OK(WriteTextFile(flags.report, JsonText(reply.json)));
+  for (const std::string& line : summary) reply.text += line + "\n";
+  // What was said of the files too, which is no part of the report.
+  of_files.insert(of_files.begin(), file.warnings.begin(), file.warnings.end());
+  for (OrderedJson& warning : WarningsJson(of_files)) reply.json["warnings"].push_back(warning);
+  return reply;
 }
 
 Status Compare(const FlattenFlags& flags, const client::FlattenQuery& query,
                const SurfaceMesh& mesh, const client::Client& client,
-               const std::vector<Origin>& origins) {
+               const std::vector<Origin>& origins, Reply& reply) {
   const FlattenCall flatten = [&](const client::FlattenQuery& one, const std::string& what) {
     return InOwnWords(FlattenWaiting(client, mesh, one, flags.timeout.value(), what), origins);
   };
   TRY(const std::vector<ComparisonPanel> panels, CompareMethods(query, flatten));
-  Say(FormatTable(panels));
+  reply.text += FormatTable(panels);
+  reply.json["comparison"] = ComparisonJson(panels);
   const std::string caption =
       fmt::format("{} vertices, {} triangles; the squares have one size on every layout",
                   mesh.vertices.size(), mesh.triangles.size());
   return WriteTextFile(flags.compare, FormatComparison(mesh, panels, caption));
 }
 
-Status Flatten(const FlattenFlags& flags) {
+Result<Reply> Flatten(const FlattenFlags& flags) {
   TRY(const SurfaceFile file, ReadSurfaceFile(flags.surface));
   PrintWarnings(file.warnings);
   const SurfaceMesh& mesh = file.mesh;
@@ -91,7 +101,8 @@ Status Flatten(const FlattenFlags& flags) {
 
   const DrawingFlags& drawing = flags.drawing;
   const bool layout = !(flags.out.empty() && drawing.svg.empty() && drawing.dxf.empty() &&
-                        drawing.pdf.empty() && flags.report.empty());
+                        drawing.pdf.empty() && flags.report.empty() && !flags.json);
+  Reply reply;
   if (layout) {
     const std::size_t slash = flags.job.find('/');
     TRY(client::FlatSurface answer,
@@ -101,10 +112,12 @@ Status Flatten(const FlattenFlags& flags) {
                        : FlattenAsJob(connection.client(), mesh, query, flags.timeout.value(),
                                       flags.job.substr(0, slash), flags.job.substr(slash + 1)),
                    origins));
-    CHECK_OK(WriteLayout(flags, query.options.grain_lines, file, counting, std::move(answer)));
+    TRY(reply, WriteLayout(flags, query.options.grain_lines, file, counting, std::move(answer)));
   }
-  return flags.compare.empty() ? Status()
-                               : Compare(flags, query, mesh, connection.client(), origins);
+  if (!flags.compare.empty()) {
+    CHECK_OK(Compare(flags, query, mesh, connection.client(), origins, reply));
+  }
+  return reply;
 }
 
 }  // namespace
@@ -113,7 +126,8 @@ void AddFlatten(CLI::App& app, Run& run) {
   auto flags = std::make_shared<FlattenFlags>();
   CLI::App* const command = app.add_subcommand("flatten", "Lay a surface flat, true to size");
   AddFlattenFlags(*command, *flags);
-  SetAction(*command, run, flags, &Flatten);
+  command->callback(
+      [&run, flags] { run = [flags] { return Finish(Flatten(*flags), flags->json); }; });
 }
 
 }  // namespace arap::cli

@@ -10,6 +10,7 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/flatten_inputs.h"
+#include "client/cli/reply.h"
 #include "core/base/names.h"
 #include "core/base/try.h"
 #include "core/drawing/paper.h"
@@ -48,6 +49,7 @@ void AddOutputs(CLI::App& command, FlattenFlags& flags) {
             "the layouts of several methods side by side with their measures; --method, --basis, "
             "--weights, --anchors, --refine and --injective do not change it",
             "FILE.svg");
+  AddJson(*outputs, flags.json);
   outputs->require_option(1, 0);
 }
 

@@ -52,6 +52,7 @@ struct FlattenFlags {
   enum class Vt { kTrue, kUnit };
   Vt vt = Vt::kTrue;   // how large the layout in `out` is
   bool sigma = false;  // every triangle in the report
+  bool json = false;   // the report on standard output
   Timeout timeout;
   std::string job;  // SESSION/JOB; empty: a call
   MethodFlags method;

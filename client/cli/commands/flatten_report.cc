@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "client/cli/report.h"
+#include "client/cli/reply.h"
 
 namespace arap::cli {
 namespace {
@@ -56,16 +56,9 @@ Json ChartJson(const FlatChart& chart, const Flattening& flat) {
 
 }  // namespace
 
-std::string JsonReport(const SurfaceMesh& mesh, const client::FlatSurface& answer,
-                       const Pattern& pattern, bool sigma) {
+Json ReportJson(const SurfaceMesh& mesh, const client::FlatSurface& answer, const Pattern& pattern,
+                bool sigma) {
   const Flattening& flat = answer.flat;
-  Json warnings = Json::array();
-  for (const Warning& warning : flat.warnings) {
-    warnings.push_back({{"kind", warning.kind},
-                        {"count", warning.count},
-                        {"elements", warning.elements},
-                        {"message", warning.message}});
-  }
   Json charts = Json::array();
   for (std::size_t c = 0; c < flat.charts.size(); ++c) {
     Json chart = ChartJson(flat.charts[c], flat);
@@ -93,7 +86,7 @@ std::string JsonReport(const SurfaceMesh& mesh, const client::FlatSurface& answe
             {"cut_edges", cuts},
             {"auto_cut_count", flat.auto_cuts},
             {"left_out_triangles", flat.degenerate},
-            {"warnings", warnings},
+            {"warnings", WarningsJson(flat.warnings)},
             {"surface_cached", answer.surface_cached},
             {"queue_micros", answer.queue_micros},
             {"solve_micros", answer.solve_micros}};
@@ -101,7 +94,20 @@ std::string JsonReport(const SurfaceMesh& mesh, const client::FlatSurface& answe
     Json& values = json["singular_values"] = Json::array();
     for (const auto& [s1, s2] : flat.singular_values) values.push_back({s1, s2});
   }
-  return JsonText(json);
+  return json;
+}
+
+Json ComparisonJson(const std::vector<ComparisonPanel>& panels) {
+  Json json = Json::array();
+  for (const ComparisonPanel& panel : panels) {
+    Json& one = json.emplace_back(Json{{"label", panel.label}});
+    if (panel.flat.uv.empty()) {
+      one["error"] = panel.lines.front();
+    } else {
+      one["distortion"] = DistortionJson(panel.flat.distortion);
+    }
+  }
+  return json;
 }
 
 std::string FormatTable(const std::vector<ComparisonPanel>& panels) {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/report.h"
+#include "client/cli/reply.h"
 #include "client/cli/sample/samples.h"
 #include "core/base/try.h"
 #include "core/files/mesh_file.h"
@@ -22,35 +22,46 @@ struct SampleOptions {
   std::string track;
   double edge = 0;
   std::size_t size = 20;
+  bool json = false;
 };
 
-Status Write(const SampleOptions& options, const std::string& obj, std::optional<Track> track) {
-  CHECK_OK(WriteTextFile(options.out, obj));
-  if (!track || options.track.empty()) return {};
+// Writes the files, and answers what is in them.
+template <class Mesh>
+Result<Reply> Write(const SampleOptions& options, const Mesh& mesh, std::optional<Track> track) {
+  CHECK_OK(WriteTextFile(options.out, FormatObj(mesh)));
+  Reply reply;
+  reply.json = {{"mesh", options.out},
+                {"vertices", mesh.vertices.size()},
+                {"triangles", mesh.triangles.size()}};
+  if (!track || options.track.empty()) return reply;
   track->mesh = std::filesystem::path(options.out).filename().string();
   track->row_weight = 1000;
-  return WriteTextFile(options.track, FormatTrack(*track));
+  CHECK_OK(WriteTextFile(options.track, FormatTrack(*track)));
+  reply.json["track"] = options.track;
+  reply.json["handles"] = track->handles.size();
+  reply.json["frames"] = track->frames.size();
+  return reply;
 }
 
-Status WriteCharacter(const SampleOptions& options) {
+Result<Reply> WriteCharacter(const SampleOptions& options) {
   const PlanarMesh mesh = MakeCharacter(options.edge);
-  return Write(options, FormatObj(mesh), MakeCharacterTrack(mesh));
+  return Write(options, mesh, MakeCharacterTrack(mesh));
 }
 
-Status WriteGrid(const SampleOptions& options) {
+Result<Reply> WriteGrid(const SampleOptions& options) {
   const PlanarMesh mesh = MakeGrid(options.size, options.size);
-  return Write(options, FormatObj(mesh), MakeGridTrack(mesh, options.size, options.size));
+  return Write(options, mesh, MakeGridTrack(mesh, options.size, options.size));
 }
 
-Status WriteGarment(const SampleOptions& options) {
-  return Write(options, FormatObj(MakeGarment(options.edge)), std::nullopt);
+Result<Reply> WriteGarment(const SampleOptions& options) {
+  return Write(options, MakeGarment(options.edge), std::nullopt);
 }
 
-Status WriteFace(const SampleOptions& options) {
-  return Write(options, FormatObj(MakeFace(options.edge)), std::nullopt);
+Result<Reply> WriteFace(const SampleOptions& options) {
+  return Write(options, MakeFace(options.edge), std::nullopt);
 }
 
-using Maker = Status (*)(const SampleOptions&);
+using Maker = Result<Reply> (*)(const SampleOptions&);
 
 // The options start with the defaults of the sample.
 std::pair<CLI::App*, std::shared_ptr<SampleOptions>> AddOne(CLI::App& sample, Run& run,
@@ -59,7 +70,7 @@ std::pair<CLI::App*, std::shared_ptr<SampleOptions>> AddOne(CLI::App& sample, Ru
   auto options = std::make_shared<SampleOptions>();
   CLI::App* const command = sample.add_subcommand(name, help);
   AddOutput(*command, "--out", options->out, "write the mesh", "FILE.obj REQUIRED")->required();
-  SetAction(*command, run, options, make);
+  SetReply(*command, run, options, make);
   return {command, options};
 }
 
