@@ -1,7 +1,7 @@
 # Debian packages, by `cpack -G DEB` in the build tree (script/package): arapd with its service, arapctl,
 # and libarap-client-dev with the C++ and C client libraries. They take what is built.
-set(ARAP_MAINTAINER "the arapd authors <arapd@example.org>" CACHE STRING "Maintainer of the Debian packages")
 set(packaging ${PROJECT_SOURCE_DIR}/cmake/debian)
+include(${packaging}/identity.cmake)
 
 # What only a package has, at places of the system: not for `cmake --install`. One component per package.
 # arap_package_files(component package): copyright and changelog.
@@ -27,9 +27,10 @@ install(FILES docs/operations.md docker/alerts.yaml docker/grafana-dashboard.jso
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME arapd)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
-set(CPACK_PACKAGE_VENDOR "the arapd authors")
+set(CPACK_PACKAGE_VENDOR "${ARAP_VENDOR}")
 set(CPACK_PACKAGE_CONTACT "${ARAP_MAINTAINER}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_DEBIAN_PACKAGE_HOMEPAGE "${ARAP_HOMEPAGE}")
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_STRIP_FILES ON)
 # Files at absolute places go into the package and not onto this machine.
