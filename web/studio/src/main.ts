@@ -139,6 +139,8 @@ function start(): void {
     });
   }
 
+  window.addEventListener("pagehide", () => studio.session.leave());
+
   // What tests look at.
   Object.assign(window, { studio, takes, stage });
   sync();

@@ -55,7 +55,7 @@ export const words = {
   puppet: {
     choose: "Choose a puppet",
     samples: ["Ginger", "Teapot", "Reef"],
-    sampleHints: ["one piece", "with a hole", "several pieces"],
+    sampleHints: ["one piece", "with a hole", "three pieces"],
     open: "Open a picture…",
     openHint:
       "PNG, WebP or SVG with a transparent background. It stays on this machine: only its outline goes to the server.",

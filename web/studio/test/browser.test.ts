@@ -4,6 +4,7 @@ import { execFileSync } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
+import { setTimeout as delay } from "node:timers/promises";
 
 import { Stack } from "./support/stack.js";
 import type { Studio } from "./support/stack.js";
@@ -251,6 +252,17 @@ test("the mesh is made anew with another density, and its pins stay on it", asyn
   await studio.page.keyboard.press("Control+z");
   await studio.until(`studio.puppet.body.rest.length === ${before}`);
   await studio.settle();
+  await studio.page.context().close();
+});
+
+test("a page that is closed leaves no session behind", async () => {
+  const studio = await stack.open();
+  const id = await studio.ask<string>("studio.session.id()");
+  const status = async (): Promise<number> =>
+    (await fetch(`${stack.address}/v1/sessions/${id}`)).status;
+  assert.equal(await status(), 200);
+  await studio.page.goto("about:blank");
+  while ((await status()) !== 404) await delay(20);
   await studio.page.context().close();
 });
 

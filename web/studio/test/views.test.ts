@@ -50,6 +50,8 @@ test("nothing is wider than the window, and pictures are taken when somebody wan
   if (shots && !existsSync(shots)) mkdirSync(shots, { recursive: true });
   const sizes = [
     { width: 390, height: 844 },
+    { width: 844, height: 390 },
+    { width: 320, height: 640 },
     { width: 1280, height: 800 },
     { width: 2560, height: 1440 },
   ];

@@ -77,6 +77,12 @@ export const meshOutlines = (
 export const createSession = (): Promise<{ id: string }> =>
   ask("POST", "v1/sessions", { ttlSeconds: 3600, labels: { app: "studio" } });
 
+/** Goes out also while the page is being closed; nobody hears the answer. */
+export const endSession = (session: string): void =>
+  void fetch(addressOf(`v1/sessions/${session}`), { method: "DELETE", keepalive: true }).catch(
+    () => {},
+  );
+
 export const registerMesh = (
   session: string,
   body: Body,

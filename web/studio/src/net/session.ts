@@ -1,6 +1,13 @@
 // The session of this page, and what it has registered there.
 import type { Body, Motion, Pin } from "../model/puppet.js";
-import { compileHandles, createSession, deleteHandleSet, deleteMesh, registerMesh } from "./api.js";
+import {
+  compileHandles,
+  createSession,
+  deleteHandleSet,
+  deleteMesh,
+  endSession,
+  registerMesh,
+} from "./api.js";
 
 /** What a registered mesh is made of. */
 export interface Stuff {
@@ -25,18 +32,26 @@ const mostMeshes = 8;
 
 export class Session {
   #id: Promise<string> | undefined;
+  #named: string | undefined;
   #registered: Registered[] = [];
   #sets = 0;
   readonly #page = Math.random().toString(36).slice(2, 8);
 
   id(): Promise<string> {
-    this.#id ??= createSession().then(({ id }) => id);
+    this.#id ??= createSession().then(({ id }) => (this.#named = id));
     this.#id.catch(() => this.forget());
     return this.#id;
   }
 
+  /** The page is closed. One that comes back from the browser's memory begins anew. */
+  leave(): void {
+    if (this.#named !== undefined) endSession(this.#named);
+    this.forget();
+  }
+
   /** It is gone, or its server is: the next call begins anew. */
   forget(): void {
+    this.#named = undefined;
     this.#id = undefined;
     this.#registered = [];
   }

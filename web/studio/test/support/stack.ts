@@ -66,6 +66,7 @@ export class Stack {
         "--disable-gpu",
         "--use-angle=swiftshader",
         "--enable-unsafe-swiftshader",
+        "--disable-dev-shm-usage",
         "--disable-quic",
         "--no-first-run",
         "--disable-background-networking",
