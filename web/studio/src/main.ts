@@ -170,9 +170,11 @@ function readouts(studio: Studio): { element: HTMLElement; sync(): void } {
   return {
     element,
     sync() {
-      const text = words.state[studio.connection];
+      const late = studio.connection === "live" && studio.waiting > 2000;
+      const now = late ? "waiting" : studio.connection;
+      const text = words.state[now];
       if (state.textContent !== text) state.textContent = text;
-      state.dataset["state"] = studio.connection;
+      state.dataset["state"] = now;
       values.forEach(([, , value], i) => (outputs[i].textContent = value()));
     },
   };

@@ -113,6 +113,10 @@ export class Studio {
   get isSettled(): boolean {
     return !this.working && this.#live.isSettled;
   }
+  /** For how many ms the server owes an answer. */
+  get waiting(): number {
+    return this.#live.waiting;
+  }
   get chosen(): Pin | undefined {
     return this.puppet.pins.find((pin) => pin.id === this.looks.chosen);
   }
@@ -232,8 +236,7 @@ export class Studio {
       const [px, py] = placeOf(hold, body.triangles, this.shape);
       pins.push(newPin(pins, hold, px, py));
     }
-    this.#do({ ...this.puppet, pins }, words.steps.suggest);
-    this.#follow();
+    this.#go({ ...this.puppet, pins }, words.steps.suggest);
   }
 
   /** Pins that are being dragged belong to one step until all are let go. */
@@ -267,33 +270,28 @@ export class Studio {
   removePin(id: string, keep = false): void {
     const pins = this.puppet.pins.filter((pin) => pin.id !== id);
     const without = keep ? keepPose(this.puppet, this.shape, pins) : { ...this.puppet, pins };
-    this.#share(without.body);
-    this.#do(without, words.steps.remove(id));
+    this.#go(without, words.steps.remove(id));
     this.say(words.said.removed(id));
-    this.#follow();
   }
 
   removeAllPins(): void {
-    this.#do({ ...this.puppet, pins: [] }, words.steps.removeAll);
-    this.#follow();
+    this.#go({ ...this.puppet, pins: [] }, words.steps.removeAll);
   }
 
   rest(): void {
-    this.#do(atRest(this.puppet), words.steps.rest);
-    this.#follow();
+    this.#go(atRest(this.puppet), words.steps.rest);
   }
 
   keepPose(): void {
-    const kept = keepPose(this.puppet, this.shape, this.puppet.pins);
-    this.#share(kept.body);
-    this.#do(kept, words.steps.keep);
-    this.#follow();
+    this.#go(keepPose(this.puppet, this.shape, this.puppet.pins), words.steps.keep);
   }
 
-  // A body in another pose is of the same mesh.
-  #share(body: Body | null): void {
-    const facts = this.facts;
-    if (body && facts) this.#facts.set(body, facts);
+  // A step of the same mesh, perhaps in another pose, which the server is to follow.
+  #go(puppet: Puppet, label: string): void {
+    const { facts } = this;
+    if (puppet.body && facts) this.#facts.set(puppet.body, facts);
+    this.#do(puppet, label);
+    this.#follow();
   }
 
   setMotion(motion: Partial<Motion>, done = true): void {
@@ -323,8 +321,7 @@ export class Studio {
     this.#follow();
   }
   wash(): void {
-    this.#do({ ...this.puppet, starch: null }, words.steps.wash);
-    this.#follow();
+    this.#go({ ...this.puppet, starch: null }, words.steps.wash);
   }
 
   undo(): void {

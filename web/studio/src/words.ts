@@ -169,6 +169,7 @@ export const words = {
     idle: "No puppet",
     connecting: "Connecting…",
     live: "Live",
+    waiting: "Waiting for the server…",
     lost: "Connection lost, trying again…",
     unreachable: "The server does not answer. Trying again…",
   },

@@ -329,6 +329,7 @@ test("a server that is killed under a drag and comes back without anything is ca
   // The pins go on moving while nobody answers.
   for (let i = 0; i < 10; ++i) await studio.page.mouse.move(x - 3 * i, y - 20 - 3 * i);
   assert.ok((await studio.ask<number>("studio.puppet.pins[1].y")) > 510);
+  await studio.page.getByText("Waiting for the server…").waitFor();
   await stack.startServer();
   await studio.page.mouse.move(x - 40, y - 60);
   await studio.page.mouse.up();

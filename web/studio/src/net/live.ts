@@ -47,8 +47,14 @@ export class Live {
       void this.#orderTriangles();
       return sequence;
     }
-    void this.#converge();
+    // While the next try is set for later, what is wanted waits for it.
+    if (this.#timer === undefined) void this.#converge();
     return undefined;
+  }
+
+  /** For how many ms the server owes an answer. */
+  get waiting(): number {
+    return this.#made?.socket.waiting ?? 0;
   }
 
   /** Whether the newest shape is that of what is wanted. */
@@ -73,6 +79,7 @@ export class Live {
     if (this.#busy) return;
     this.#busy = true;
     clearTimeout(this.#timer);
+    this.#timer = undefined;
     try {
       while (this.#wanted && !this.#fits(this.#wanted)) await this.#open(this.#wanted);
     } catch (error) {

@@ -69,6 +69,12 @@ export class Socket {
     return this.isOpen && this.#answered >= this.#sequence && this.#sequence > 0;
   }
 
+  /** For how many ms the oldest of what was said waits for an answer; 0: nothing does. */
+  get waiting(): number {
+    for (const at of this.#sentAt.values()) return performance.now() - at;
+    return 0;
+  }
+
   /** The pins are these, here. Says what is new of it and gives the sequence, or undefined. */
   say(pins: readonly Pin[], evenIfNothing = false): number | undefined {
     if (!this.isOpen) return undefined;
@@ -117,15 +123,20 @@ export class Socket {
     if (this.#isClosed) return;
     const shape = readShape(data);
     this.#say({ type: "seen", sequence: shape.sequence });
-    this.#answered = Math.max(this.#answered, shape.sequence);
     const sent = this.#sentAt.get(shape.sequence);
-    for (const sequence of this.#sentAt.keys()) {
-      if (sequence <= shape.sequence) this.#sentAt.delete(sequence);
-    }
+    this.#answer(shape.sequence);
     for (const sequence of this.#before.keys()) {
       if (sequence <= shape.sequence) this.#before.delete(sequence);
     }
     this.#events.shape(shape, sent === undefined ? undefined : performance.now() - sent);
+  }
+
+  // Answers come in order: what was said before is answered, or replaced.
+  #answer(last: number): void {
+    this.#answered = Math.max(this.#answered, last);
+    for (const sequence of this.#sentAt.keys()) {
+      if (sequence <= last) this.#sentAt.delete(sequence);
+    }
   }
 
   #hear(message: Heard): void {
@@ -138,7 +149,7 @@ export class Socket {
       case "error": {
         const before = message.sequence === null ? undefined : this.#before.get(message.sequence);
         if (before) this.#told = before;
-        this.#answered = Math.max(this.#answered, message.sequence ?? 0);
+        this.#answer(message.sequence ?? 0);
         this.#events.refused(problemOf(message.problem));
         break;
       }
