@@ -1,5 +1,6 @@
 // Who may ask: users and tokens, origins, proxies, rates and counts; and what no page ever sees.
 import assert from "node:assert/strict";
+import { execFileSync, spawnSync } from "node:child_process";
 import { createHash, randomBytes } from "node:crypto";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import type { IncomingMessage } from "node:http";
@@ -116,6 +117,62 @@ test("users have sessions of their own, and the token stays where it is", { time
     rmSync(folder, { recursive: true, force: true });
   }
 });
+
+const hasOpenssl = spawnSync("openssl", ["version"]).status === 0;
+
+test(
+  "TLS to arapd, with a certificate of the gateway's own",
+  { timeout, skip: hasOpenssl ? false : "there is no openssl" },
+  async () => {
+    const folder = mkdtempSync(join(tmpdir(), "arapd-gateway-"));
+    const path = (name: string): string => join(folder, name);
+    const openssl = (...words: string[]): void =>
+      void execFileSync("openssl", words, { cwd: folder, stdio: "pipe" });
+    const key = [
+      "-newkey",
+      "ec",
+      "-pkeyopt",
+      "ec_paramgen_curve:prime256v1",
+      "-nodes",
+      "-days",
+      "2",
+    ];
+    // Each is its own authority.
+    for (const name of ["localhost", "web"]) {
+      const names = ["-subj", `/CN=${name}`, "-addext", `subjectAltName=DNS:${name}`];
+      openssl("req", "-x509", ...key, "-keyout", `${name}.key`, "-out", `${name}.crt`, ...names);
+    }
+    const tls = [
+      "--tls-cert",
+      path("localhost.crt"),
+      "--tls-key",
+      path("localhost.key"),
+      "--tls-client-ca",
+      path("web.crt"),
+    ];
+    const server = new Server(
+      ["--store", "memory", "--require-client-cert", ...tls],
+      "127.0.0.1:0",
+    );
+    try {
+      await server.start();
+      const arapd = server.address.replace("127.0.0.1", "localhost");
+      await hold(
+        { arapd, tlsCa: path("localhost.crt"), tlsCert: path("web.crt"), tlsKey: path("web.key") },
+        async (url) => {
+          await puppet(url, 3);
+        },
+      );
+      await hold(
+        { arapd, tlsCa: path("localhost.crt") },
+        async (url) => void (await problem(`${url}/readyz`, {}, "DRAINING")),
+      );
+    } finally {
+      await server.stop();
+      rmSync(folder, { recursive: true, force: true });
+    }
+  },
+);
 
 test("names that arapd does not know are given others", () => {
   assert.equal(ownerOf("ann"), "ann");

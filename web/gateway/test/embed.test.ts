@@ -61,7 +61,8 @@ for (const withWebsocket of [false, true]) {
     { timeout },
     () =>
       withServer(async (arapd) => {
-        const app: FastifyInstance = Fastify();
+        // Else it waits for connections that fetch keeps.
+        const app: FastifyInstance = Fastify({ forceCloseConnections: true });
         const heard: string[] = [];
         app.addHook("onRequest", async ({ url }) => void heard.push(url));
         if (withWebsocket) {
@@ -244,7 +245,7 @@ test("the program: metrics of its server", { timeout }, async () => {
 });
 
 test("the program: flags that are wrong", { timeout }, async () => {
-  for (const [words, said] of [
+  const wrong: [string[], RegExp][] = [
     [["--max-sockets", "many"], /--max-sockets: "many" is no whole number/],
     [["--max-sockets", "0"], /maxSockets is 0/],
     [["--listen", "here"], /--listen: "here" is no HOST:PORT/],
@@ -254,11 +255,13 @@ test("the program: flags that are wrong", { timeout }, async () => {
     [["--log-level", "loud"], /--log-level/],
     [["--metrics", "some"], /metrics/],
     [["word"], /word/],
-  ] as [string[], RegExp][]) {
+  ];
+  const check = async ([words, said]: (typeof wrong)[number]): Promise<void> => {
     const { code, said: text } = await ended(words);
     assert.equal(code, 2, text);
     assert.match(text, said);
-  }
+  };
+  await Promise.all(wrong.map(check));
 });
 
 test("docs/web.md has every flag with its default, and so has the help", { timeout }, async () => {
