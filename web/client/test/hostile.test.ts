@@ -102,6 +102,44 @@ test("updates that were not taken yet become one, and no target is lost", { time
   });
 });
 
+test(
+  "no more updates are without answer than was said; what waits becomes one",
+  { timeout },
+  async () => {
+    const heard: number[] = [];
+    const places = new Map<string, number>();
+    let open: Stream | undefined;
+    const answer = ({ update }: Message, call: Stream): void => {
+      open = call;
+      heard.push(update.sequence);
+      for (const target of update.targets) places.set(target.handleId, target.x);
+    };
+    await pretend({ StreamDeform: live(answer) }, async (client) => {
+      await failure(stream(client, { ahead: 0 }), "INVALID_OPTION");
+      const one = await stream(client, { ahead: 2 });
+      const settle = async (nonce: number): Promise<void> => {
+        one.ping(nonce); // waits for nothing, and is answered when what went before it was heard
+        assert.equal((await next(one, "pong")).nonce, nonce);
+      };
+      for (let i = 1; i <= 100; i++) {
+        one.send({ targets: [{ id: i % 2 ? "a" : "b", x: i, y: 0 }] });
+        if (i <= 3) await settle(i);
+      }
+      await settle(4);
+      assert.deepEqual(heard, [1, 2]);
+      open!.write(shape(1));
+      assert.equal((await nextShape(one)).sequence, 1);
+      // Those that waited are one, and the newest is as it was sent; both go out.
+      await settle(5);
+      assert.deepEqual(heard, [1, 2, 99, 100]);
+      assert.deepEqual(Object.fromEntries(places), { a: 99, b: 100 });
+      open!.write(shape(100, { replaced: 2 }));
+      assert.equal((await nextShape(one)).replaced, 98, "all but 1 and 100");
+      one.cancel();
+    });
+  },
+);
+
 test("a bad update is never merged into a good one", { timeout }, async () => {
   const heard: string[] = [];
   const answer = ({ update }: Message, call: Stream): void => {

@@ -28,6 +28,9 @@ function settingsOf(options: StreamOptions): Settings {
       `delivery is ${JSON.stringify(options.delivery)}, which is none of latest, every.`,
     );
   }
+  if (options.ahead !== undefined && !(options.ahead >= 1)) {
+    throw badOption("ahead", `ahead is ${options.ahead}; it has to be 1 or more.`);
+  }
   // The caller's own list may change meanwhile.
   const subset = options.vertexSubset && { vertexSubset: Uint32Array.from(options.vertexSubset) };
   return { ...options, ...subset, heartbeat, silence, answer, resumeWithin };

@@ -271,6 +271,7 @@ export class LiveStream {
   async #openCall(): Promise<HandleSetInfo> {
     const call = new StreamCall(this.#channel, this.#headers.of(this.#channel), this.#deadline, {
       latest: this.#settings.delivery !== "every",
+      ahead: this.#settings.delivery === "every" ? Infinity : (this.#settings.ahead ?? Infinity),
       mayMerge: this.#merge.allows,
       onMerged: (count, sequence) => this.#noteMerged(count, sequence),
     });

@@ -12,6 +12,12 @@ export interface StreamOptions extends ShapeOptions {
    */
   delivery?: "latest" | "every";
   /**
+   * On a "latest" stream, how many updates and edits may be without answer, 1 or more: newer updates
+   * wait here meanwhile and become one, so that nothing queues up on the way to a server that has
+   * much to do. Somebody has to read for that. Default: any number.
+   */
+  ahead?: number;
+  /**
    * After this much silence the server is asked for a sign of life. Default 5000; 0: never. The
    * stream then counts as used also when nobody moves a handle, and a server that is gone is
    * noticed also behind a proxy that answers for it.

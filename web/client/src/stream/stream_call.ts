@@ -7,7 +7,7 @@ import type { CallStatus } from "../errors.js";
 import type { StreamDeformRequest } from "../gen/arap/v1/StreamDeformRequest.js";
 import type { StreamDeformResponseAnswer } from "../gen/arap/v1/StreamDeformResponse.js";
 import { deformation } from "../wire.js";
-import { fold, isEdit } from "./messages.js";
+import { fold, isEdit, sequenceOf } from "./messages.js";
 import type { Message, Update } from "./messages.js";
 
 // From so many waiting messages on a "latest" stream sends few in their place.
@@ -39,6 +39,8 @@ class OnDemand extends InterceptingCall {
 export interface Sending {
   /** Whether newer updates take the place of older ones. */
   latest: boolean;
+  /** How many updates and edits may be without answer; newer ones wait, and become fewer. */
+  ahead: number;
   /** Whether an update is surely a good one: the error of a bad one has to be its own. */
   mayMerge(update: Update): boolean;
   /** So many updates up to this sequence were merged into newer ones. */
@@ -54,6 +56,8 @@ export class StreamCall {
   readonly #stream: ClientDuplexStream<StreamDeformRequest, StreamDeformResponseAnswer>;
   #gate!: OnDemand;
   #waiting: StreamDeformRequest[] = [];
+  #unanswered: number[] = []; // sequences
+  #released = 0; // so many of those that wait go out, whatever has no answer
   #shortenAt = mostWaiting; // when there are more than so many
   #endWanted = false;
   #endSent = false;
@@ -128,10 +132,28 @@ export class StreamCall {
   }
 
   #take(message: StreamDeformResponseAnswer): void {
+    const answered = message.shape?.sequence ?? message.error?.sequence;
+    if (answered !== undefined) this.#answered(answered);
     const reader = this.#reader;
     this.#reader = undefined;
     if (reader) reader(message);
     else this.#read.push(message);
+  }
+
+  // What waited for the answer goes out together, as few messages as can be: of these the server
+  // answers the newest.
+  #answered(sequence: number): void {
+    const isHeld = this.#isHeld();
+    this.#unanswered = this.#unanswered.filter((one) => one > sequence);
+    if (!isHeld || this.#isHeld()) return;
+    if (this.#waiting.length > 1) this.#shorten();
+    this.#released = this.#waiting.length;
+    this.#write();
+  }
+  #isHeld(): boolean {
+    const next = this.#waiting[0];
+    const needsAnswer = next !== undefined && (next.update ?? next.edit) != null;
+    return needsAnswer && this.#released === 0 && this.#unanswered.length >= this.#sending.ahead;
   }
 
   #finish(): void {
@@ -152,7 +174,11 @@ export class StreamCall {
 
   #write(): void {
     if (this.status || this.#broken || this.writingSince !== undefined) return;
-    const request = this.#waiting.shift();
+    // Pings overtake what waits for an answer: by them a server is known to be there.
+    const at = this.#isHeld() ? this.#waiting.findIndex(({ ping }) => ping) : 0;
+    if (at < 0) return;
+    const [request] = this.#waiting.splice(at, 1);
+    this.#released = Math.max(0, this.#released - 1);
     if (!request) {
       for (const resolve of this.#onDrained.splice(0)) resolve();
       if (this.#endWanted && !this.#endSent) {
@@ -161,6 +187,7 @@ export class StreamCall {
       }
       return;
     }
+    if (request.update || request.edit) this.#unanswered.push(sequenceOf(request as Message));
     this.writingSince = performance.now();
     this.#stream.write(request, (error?: Error | null) => {
       this.writingSince = undefined;
@@ -194,6 +221,7 @@ export class StreamCall {
     }
     close();
     this.#waiting = shorter;
+    this.#released = Math.min(this.#released, shorter.length);
     // What could not be merged is not looked at again with every push.
     this.#shortenAt = Math.max(mostWaiting, 2 * shorter.length);
   }

@@ -31,6 +31,9 @@ const optionsOf = (open: Open, resumeWithin: number): StreamOptions => {
     ...rest,
     encoding: encoding === "int16" ? "int16_le" : "float32_le",
     relativeToOrigin: true,
+    // One that is computed and one that waits: what is newer waits here, so that a busy server has
+    // no queue of old updates before it.
+    ahead: 2,
     resumeWithin,
   };
 };
