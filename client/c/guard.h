@@ -70,6 +70,7 @@ Result<std::span<const Value>> ArrayOf(const Value* values, std::size_t count, c
   if (count == 0) return std::span<const Value>();
   CHECK_OK(Need(values, field));
   // Rows of at most three: beyond this no array can be.
+  // NOLINTNEXTLINE(bugprone-sizeof-expression): pointers make an array too.
   if (count > PTRDIFF_MAX / (3 * sizeof(Value))) {
     return Fail(Bad(field, std::string(field) + " cannot have so many elements."));
   }
