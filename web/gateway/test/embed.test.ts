@@ -1,6 +1,6 @@
 // The gateway inside applications: Fastify's, Express's, and the program by itself.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
+import { execFileSync, spawn } from "node:child_process";
 import type { ChildProcess } from "node:child_process";
 import { once } from "node:events";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -262,6 +262,30 @@ test("the program: flags that are wrong", { timeout }, async () => {
     assert.match(text, said);
   };
   await Promise.all(wrong.map(check));
+});
+
+test("the package has what it runs with, and nothing else", { timeout }, () => {
+  const words = ["pack", "--dry-run", "--json", "--ignore-scripts", "--offline"];
+  const told = execFileSync("npm", words, {
+    encoding: "utf8",
+    stdio: ["ignore", "pipe", "ignore"],
+  });
+  const paths = (JSON.parse(told) as [{ files: { path: string }[] }])[0].files.map(
+    ({ path }) => path,
+  );
+  for (const file of [
+    "index.js",
+    "index.d.ts",
+    "main.js",
+    "files/worker.js",
+    "schemas/base.d.ts",
+  ]) {
+    assert.ok(paths.includes(`dist/${file}`), file);
+  }
+  assert.deepEqual(
+    paths.filter((path) => !/^(dist\/.*|package\.json|LICENSE)$/.test(path)),
+    [],
+  );
 });
 
 test("docs/web.md has every flag with its default, and so has the help", { timeout }, async () => {
