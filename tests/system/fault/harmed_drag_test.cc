@@ -59,7 +59,7 @@ INSTANTIATE_TEST_SUITE_P(Harms, HarmedDragTest,
 // Moves a handle of two now and then, for as long as it is told, and reads what comes back.
 class Dragger {
  public:
-  Dragger(DeformStream stream)
+  explicit Dragger(DeformStream stream)
       : stream_(std::move(stream)),
         reader_("the reader of a harmed stream", [this] { Read(); }),
         sender_("the sender on a harmed stream", [this] { Send(); }) {}
