@@ -51,6 +51,8 @@ constexpr Example kExamples[] = {
      "arapctl watch 127.0.0.1:35193 --once --json"},
     {"load",
      "arapctl load --streams 8 --seconds 10 --vertices 10000 --spawn\n"
+     "arapctl load --rate 500 --arrivals poisson --warm-up 2 --spawn\n"
+     "arapctl load --search \"p99<20ms\" --seconds 5 --warm-up 1 --spawn\n"
      "arapctl load --fps 60 --server 127.0.0.1:50051 --json a.json --html a.html\n"
      "arapctl load --spawn --threshold \"p99<20ms\" --threshold \"errors<0.1%\""},
     {"load compare",

@@ -1,4 +1,4 @@
-// info and load against a private server, and the pieces of load.
+// info and load against a private server.
 #include <fstream>
 #include <string>
 #include <utility>
@@ -7,7 +7,6 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "client/cli/load/load_stream.h"
 #include "client/cli/report.h"
 #include "tests/cli/run.h"
 
@@ -107,22 +106,50 @@ TEST_F(LoadCommand, KeepsARate) {
   EXPECT_LE(json["updates"], 2 * 21) << "no faster than told";
 }
 
+TEST_F(LoadCommand, DoesWhatTheMixSaysAndVerifiesWhatItGets) {
+  const Outcome outcome =
+      Arapctl({"load", "--spawn", "--streams", "4", "--sessions", "2", "--count", "200",
+               "--vertices", "100", "--mix", "drag=6,edit=1,bake=1,flatten=1,register=1",
+               "--verify", "1", "--window", "2", "--json", Path("load.json")});
+  ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  const auto json = nlohmann::json::parse(Slurp(Path("load.json")), nullptr, false);
+  ASSERT_TRUE(json.is_object());
+  std::uint64_t all = 0;
+  for (const char* name : {"drag", "edit", "bake", "flatten", "register"}) {
+    const auto& operation = json["operations"][name];
+    EXPECT_GT(operation["answered"], 0) << name;
+    EXPECT_EQ(operation["answered"], operation["sent"]) << name;
+    all += operation["answered"].get<std::uint64_t>();
+  }
+  EXPECT_EQ(all, 200u);
+  EXPECT_GT(json["operations"]["drag"]["verified"], 0);
+  EXPECT_EQ(json["operations"]["drag"]["wrong"], 0);
+}
+
+TEST_F(LoadCommand, BendsTheMeshOfAFile) {
+  ASSERT_EQ(
+      Arapctl({"sample", "character", "--out", Path("bear.obj"), "--track", Path("wave.json")})
+          .code,
+      0);
+  for (const std::string& handles : {std::string("12"), Path("wave.json")}) {
+    const Outcome outcome =
+        Arapctl({"load", "--spawn", "--streams", "1", "--count", "10", "--mesh", Path("bear.obj"),
+                 "--handles", handles, "--verify", "1", "--encoding", "int16-le", "--delivery",
+                 "latest", "--json", Path("load.json")});
+    ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+    const auto json = nlohmann::json::parse(Slurp(Path("load.json")), nullptr, false);
+    EXPECT_EQ(json["handles"], handles == "12" ? 12 : 5);
+    EXPECT_GT(json["operations"]["drag"]["verified"], 0);
+    EXPECT_EQ(json["operations"]["drag"]["wrong"], 0);
+  }
+}
+
 TEST_F(LoadCommand, ErrorsAreCountedByReasonAndFailTheCommand) {
   const Outcome outcome = Arapctl({"load", "--spawn", "--streams", "2", "--seconds", "0.1",
                                    "--vertices", "1100000", "--handles", "2"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_THAT(outcome.out, HasSubstr("MESH_TOO_LARGE"));
   EXPECT_THAT(outcome.err, HasSubstr("first error"));
-}
-
-TEST(LoadPlan, HasTheVerticesAndHandlesThatWereAsked) {
-  for (const std::size_t vertices : {4u, 300u, 1000u, 5000u}) {
-    const LoadPlan plan = MakeLoadPlan(vertices, 8, std::chrono::seconds(1));
-    EXPECT_NEAR(static_cast<double>(plan.mesh.vertices.size()), static_cast<double>(vertices),
-                0.05 * static_cast<double>(vertices));
-    EXPECT_EQ(plan.handles.size(), 8u);
-    EXPECT_EQ(plan.rests.size(), 8u);
-  }
 }
 
 TEST(Percentiles, OfOneToAHundred) {

@@ -62,14 +62,9 @@ std::string FindServer() {
 
 // The token of the file, else of the environment, else none.
 Result<std::string> ReadToken(const std::string& path) {
-  if (path.empty()) {
-    const char* const token = std::getenv(kTokenVariable);
-    return std::string(token == nullptr ? "" : token);
-  }
-  TRY(std::string token, ReadTextFile(path));
-  token.erase(token.find_last_not_of(" \t\r\n") + 1);
-  if (token.empty()) return Fail(FaultKind::kInvalidOption, path + " holds no token.");
-  return token;
+  if (!path.empty()) return ReadTokenFile(path);
+  const char* const token = std::getenv(kTokenVariable);
+  return std::string(token == nullptr ? "" : token);
 }
 
 Result<client::ConnectOptions> OptionsOf(const ServerFlags& flags) {
@@ -98,6 +93,13 @@ Result<client::Client> ConnectReady(const std::string& address,
 }
 
 }  // namespace
+
+Result<std::string> ReadTokenFile(const std::string& path) {
+  TRY(std::string token, ReadTextFile(path));
+  token.erase(token.find_last_not_of(" \t\r\n") + 1);
+  if (token.empty()) return Fail(FaultKind::kInvalidOption, path + " holds no token.");
+  return token;
+}
 
 void AddServerFlags(CLI::App& command, ServerFlags& flags) {
   auto* group = command.add_option_group("Server", "which server to use");
@@ -233,15 +235,28 @@ Connection::SpawnedServer::~SpawnedServer() {
 }
 
 Result<Connection> Connection::Open(const ServerFlags& flags) {
-  TRY(client::ConnectOptions options, OptionsOf(flags));
-  std::unique_ptr<SpawnedServer> spawned;
-  std::string address = flags.server;
-  if (flags.spawn) {
-    TRY(spawned, SpawnedServer::Start());
-    address = spawned->address();
+  TRY(auto opened, OpenAll({flags}));
+  return std::move(opened.front());
+}
+
+Result<std::vector<Connection>> Connection::OpenAll(const std::vector<ServerFlags>& flags) {
+  std::vector<client::ConnectOptions> options;
+  for (const ServerFlags& one : flags) {
+    TRY(options.emplace_back(), OptionsOf(one));
   }
-  TRY(client::Client client, ConnectReady(address, options));
-  return Connection(std::move(spawned), std::move(address), std::move(options), std::move(client));
+  std::vector<std::unique_ptr<SpawnedServer>> spawned(flags.size());
+  for (std::size_t i = 0; i < flags.size(); ++i) {
+    if (!flags[i].spawn) continue;
+    TRY(spawned[i], SpawnedServer::Start());
+  }
+  std::vector<Connection> connections;
+  for (std::size_t i = 0; i < flags.size(); ++i) {
+    std::string address = spawned[i] ? spawned[i]->address() : flags[i].server;
+    TRY(client::Client client, ConnectReady(address, options[i]));
+    connections.push_back(Connection(std::move(spawned[i]), std::move(address),
+                                     std::move(options[i]), std::move(client)));
+  }
+  return connections;
 }
 
 Connection::Connection(std::unique_ptr<SpawnedServer> spawned, std::string address,
@@ -254,7 +269,5 @@ Connection::Connection(std::unique_ptr<SpawnedServer> spawned, std::string addre
 Connection::Connection(Connection&& other) noexcept = default;
 Connection& Connection::operator=(Connection&& other) noexcept = default;
 Connection::~Connection() = default;
-
-Result<client::Client> Connection::Another() const { return ConnectReady(address_, options_); }
 
 }  // namespace arap::cli

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -21,6 +22,9 @@ struct ServerFlags {
 // them.
 inline constexpr const char* kTokenVariable = "ARAPCTL_TOKEN";
 
+// The token that a file holds. kNotFound when it cannot be read; kInvalidOption when it holds none.
+Result<std::string> ReadTokenFile(const std::string& path);
+
 // Exactly one of --server and --spawn has to be given, if not by the environment or the config file
 // (client/cli/settings.h); a private server wants no identity.
 void AddServerFlags(CLI::App& command, ServerFlags& flags);
@@ -30,13 +34,16 @@ void AddServerFlags(CLI::App& command, ServerFlags& flags);
 class Connection {
  public:
   static Result<Connection> Open(const ServerFlags& flags);
+  // Several: all private servers are started before any connection is made.
+  static Result<std::vector<Connection>> OpenAll(const std::vector<ServerFlags>& flags);
   Connection(Connection&& other) noexcept;
   Connection& operator=(Connection&& other) noexcept;
   ~Connection();
 
   const client::Client& client() const { return client_; }
-  // A further connection to the same server.
-  Result<client::Client> Another() const;
+  // How it was reached, for further connections.
+  const std::string& address() const { return address_; }
+  const client::ConnectOptions& options() const { return options_; }
 
  private:
   class SpawnedServer;

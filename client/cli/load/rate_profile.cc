@@ -1,0 +1,122 @@
+#include "client/cli/load/rate_profile.h"
+
+#include <charconv>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace arap::cli {
+namespace {
+
+constexpr double kMostPerSecond = 1e7;
+constexpr std::size_t kMostPieces = 1000;
+constexpr std::size_t kRampPieces = 10;
+
+auto NoProfile(std::string_view text, std::string_view why) {
+  return Fail(Fault(FaultKind::kInvalidOption,
+                    fmt::format("{} is no profile: {}. It is step:RATE,RATE,… or ramp:FROM,TO, in "
+                                "messages a second.",
+                                text, why))
+                  .Field("profile"));
+}
+
+// Due after `time` seconds of the piece.
+double DueIn(const RateProfile::Piece& piece, double time) {
+  return time * (piece.from + (piece.to - piece.from) * time / (2 * piece.seconds));
+}
+
+// The other way round, for a count that the piece reaches.
+double TimeIn(const RateProfile::Piece& piece, double count) {
+  const double slope = (piece.to - piece.from) / piece.seconds;
+  const double root = std::sqrt(std::max(piece.from * piece.from + 2 * count * slope, 0.0));
+  return count == 0 ? 0 : 2 * count / (piece.from + root);
+}
+
+}  // namespace
+
+RateProfile::RateProfile(std::vector<Piece> pieces) : pieces_(std::move(pieces)) {
+  for (const Piece& piece : pieces_) seconds_ += piece.seconds;
+}
+
+RateProfile RateProfile::Constant(double rate, double seconds) {
+  return RateProfile({{seconds, rate, rate}});
+}
+
+Result<RateProfile> RateProfile::Parse(std::string_view text, double seconds) {
+  const std::string_view kind = text.substr(0, text.find(':'));
+  if (kind.size() == text.size()) return NoProfile(text, "it has no colon");
+  std::vector<double> rates;
+  for (std::string_view rest = text.substr(kind.size() + 1);;) {
+    const std::string_view word = rest.substr(0, rest.find(','));
+    double rate = 0;
+    const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), rate);
+    const bool number = error == std::errc() && stop == word.data() + word.size();
+    if (!number || !(rate >= 0 && rate <= kMostPerSecond)) {
+      return NoProfile(text,
+                       fmt::format("\"{}\" is not a rate from 0 to {:.0f}", word, kMostPerSecond));
+    }
+    rates.push_back(rate);
+    if (rates.size() > kMostPieces) return NoProfile(text, "it has more than 1000 steps");
+    if (word.size() == rest.size()) break;
+    rest.remove_prefix(word.size() + 1);
+  }
+  std::vector<Piece> pieces;
+  if (kind == "step") {
+    const double each = seconds / static_cast<double>(rates.size());
+    for (const double rate : rates) pieces.push_back({each, rate, rate});
+  } else if (kind == "ramp") {
+    if (rates.size() != 2) return NoProfile(text, "a ramp has two rates");
+    const double part = 1.0 / kRampPieces;
+    for (std::size_t i = 0; i < kRampPieces; ++i) {
+      const auto at = [&](std::size_t k) {
+        return rates[0] + (rates[1] - rates[0]) * part * static_cast<double>(k);
+      };
+      pieces.push_back({seconds * part, at(i), at(i + 1)});
+    }
+  } else {
+    return NoProfile(text, fmt::format("\"{}\" is neither step nor ramp", kind));
+  }
+  RateProfile profile(std::move(pieces));
+  if (profile.Before(seconds) <= 0) return NoProfile(text, "nothing is ever sent");
+  return profile;
+}
+
+RateProfile RateProfile::After(double seconds) const {
+  if (seconds <= 0) return *this;
+  std::vector<Piece> pieces{{seconds, pieces_[0].from, pieces_[0].from}};
+  pieces.insert(pieces.end(), pieces_.begin(), pieces_.end());
+  return RateProfile(std::move(pieces));
+}
+
+std::size_t RateProfile::PieceAt(double time) const {
+  std::size_t i = 0;
+  for (double end = pieces_[0].seconds; i + 1 < pieces_.size() && time >= end;) {
+    end += pieces_[++i].seconds;
+  }
+  return i;
+}
+
+double RateProfile::Before(double time) const {
+  double count = 0;
+  for (const Piece& piece : pieces_) {
+    if (time <= 0) break;
+    count += DueIn(piece, std::min(time, piece.seconds));
+    time -= piece.seconds;
+  }
+  return count;
+}
+
+std::optional<double> RateProfile::When(double count) const {
+  double start = 0;
+  for (const Piece& piece : pieces_) {
+    const double here = DueIn(piece, piece.seconds);
+    if (count < here) return start + TimeIn(piece, count);
+    count -= here;
+    start += piece.seconds;
+  }
+  return std::nullopt;
+}
+
+}  // namespace arap::cli

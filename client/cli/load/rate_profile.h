@@ -1,0 +1,48 @@
+// RateProfile: how many messages a second are to be sent, by all streams together, as a run goes on.
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "arap/base/result.h"
+
+namespace arap::cli {
+
+// Pieces one behind the other, on each of which the rate goes straight from one value to another.
+// Immutable; copies are cheap.
+class RateProfile {
+ public:
+  struct Piece {
+    double seconds = 0;       // above 0
+    double from = 0, to = 0;  // a second, not below 0
+
+    double mean() const { return (from + to) / 2; }
+  };
+
+  static RateProfile Constant(double rate, double seconds);
+  // "step:100,200,400": these rates, each for the same part of `seconds`. "ramp:100,1000": from one to
+  // the other, in ten pieces. kInvalidOption, with the field "profile", for anything else.
+  static Result<RateProfile> Parse(std::string_view text, double seconds);
+
+  // The same behind so many seconds at its first rate.
+  RateProfile After(double seconds) const;
+
+  double seconds() const { return seconds_; }
+  const std::vector<Piece>& pieces() const { return pieces_; }
+  // Which piece a time falls into; the last one from the end on.
+  std::size_t PieceAt(double time) const;
+
+  // How many messages are due in the first `time` seconds; a part of one counts as such.
+  double Before(double time) const;
+  // When so many are due; nothing when there are not so many.
+  std::optional<double> When(double count) const;
+
+ private:
+  explicit RateProfile(std::vector<Piece> pieces);
+
+  std::vector<Piece> pieces_;
+  double seconds_ = 0;
+};
+
+}  // namespace arap::cli
