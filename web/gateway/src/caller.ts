@@ -1,6 +1,7 @@
 // Callers: who is asking, from where, and whether the page that asks may.
 import { createHash } from "node:crypto";
 import type { IncomingMessage } from "node:http";
+import { isIP } from "node:net";
 import type { TLSSocket } from "node:tls";
 
 import proxyAddress from "@fastify/proxy-addr";
@@ -64,8 +65,16 @@ export class Callers {
   checkOrigin(request: IncomingMessage): void {
     const { origin } = request.headers;
     if (origin === undefined || this.#settings.origins.includes(origin)) return;
-    if (origin === this.#ownOrigin(request)) return;
+    if (origin === this.#ownOrigin(request) && !this.#isRebound(request)) return;
     throw new Problem("FORBIDDEN_ORIGIN", "The page that asks is of another site.");
+  }
+
+  // Whether a browser of this machine asks under a name that is not this machine's: whoever owns the
+  // name may have pointed it here, and then his pages and ours have one origin.
+  #isRebound(request: IncomingMessage): boolean {
+    const name = (request.headers.host ?? "").replace(/:\d*$/, "").toLowerCase();
+    const own = name === "localhost" || name.endsWith(".localhost") || isIP(name) !== 0;
+    return this.isLocal(request) && !own && !/^\[.*\]$/.test(name);
   }
 
   #ownOrigin(request: IncomingMessage): string {

@@ -202,6 +202,20 @@ test("pages of other sites may not ask", { timeout }, () =>
         const told = await Page.refused(url, "/v1/sessions/any/stream", { origin });
         assert.equal(told.reason, "FORBIDDEN_ORIGIN");
       }
+      // A name that its owner has pointed at this machine.
+      const { port } = new URL(url);
+      const sameEverywhere = (name: string) => ({
+        origin: `http://${name}:${port}`,
+        host: `${name}:${port}`,
+      });
+      const rebound = await Page.refused(
+        url,
+        "/v1/sessions/any/stream",
+        sameEverywhere("evil.example"),
+      );
+      assert.equal(rebound.reason, "FORBIDDEN_ORIGIN");
+      for (const name of ["localhost", "arapd.localhost", "127.0.0.1", "[::1]"])
+        (await Page.connect(url, "any", sameEverywhere(name))).socket.terminate();
       await json(`${url}/v1/info`, { headers: { origin: "https://evil.example" } });
       assert.equal(
         (
