@@ -136,9 +136,10 @@ TEST_F(TokenCommand, ProcessesThatMeetLoseNothing) {
 TEST_F(TokenCommand, ExpiriesOfOthersStayAsTheyAre) {
   const std::string alice = Add({"alice", "--expires-days", "2"});
   std::string text = Slurp(file());
-  const std::size_t from = text.find("\"20");
-  ASSERT_NE(from, std::string::npos);
-  text.replace(from, text.find('"', from + 1) + 1 - from, "\"9999-12-31T23:59:59Z\"");
+  const std::size_t end = text.find("Z\"");
+  ASSERT_NE(end, std::string::npos);
+  const std::size_t begin = text.rfind('"', end);
+  text.replace(begin, end + 2 - begin, "\"9999-12-31T23:59:59Z\"");
   Put("tokens.json", text);
   Add({"bob"});
   EXPECT_THAT(Slurp(file()), HasSubstr("\"9999-12-31T23:59:59Z\""));

@@ -93,17 +93,20 @@ readme_example() {
   [ "$(grep -cE '^[-0-9.e]+ [-0-9.e]+$' "$work/readme.out")" -eq 4 ] || die "these are not 4 vertices"
 }
 
-# Every line of README.md that begins with arapctl, in an empty folder, smaller where it measures.
+# Every line of README.md that begins with arapctl, in an empty folder, smaller where it measures; no speed is asked of
+# this machine.
 shell_examples() {
   local folder=$work/shell
   rm -rf "$folder"
   mkdir -p "$folder"
   awk '/^```sh$/ {on = 1; next} /^```$/ {on = 0} on && /^arapctl /' "$source/README.md" |
-    sed -E "s/127.0.0.1:50051/$address/; s/--seconds 10/--seconds 1/; s/--vertices 10000/--vertices 500/" \
+    sed -E "s/127.0.0.1:50051/$address/; s/--seconds 10/--seconds 1/; s/--vertices 10000/--vertices 500/; \
+      s/p99<20ms/p99<60s/" \
       >"$folder/commands"
   [ "$(wc -l <"$folder/commands")" -ge 10 ] || die "README.md has lost its commands"
   /usr/bin/python3 "$here/figure.py" "$folder/figure.png"
   cd "$folder"
+  "$build/bin/arapctl" load --spawn --seconds 0.2 --vertices 100 --json before.json >output 2>log || die "$(cat output log)"
   PATH=$build/bin:$PATH bash -eux commands >output 2>log || die "$(cat output log)"
 }
 
