@@ -42,13 +42,15 @@ int RunLoadCommand(const LoadOptions& options) {
   return stop.stop_requested() ? static_cast<int>(Exit::kInterrupted) : code;
 }
 
-const std::map<std::string, client::PositionEncoding> kEncodings{
-    {"float32", client::PositionEncoding::kFloat32},
-    {"float32-le", client::PositionEncoding::kFloat32Le},
-    {"int16-le", client::PositionEncoding::kInt16Le}};
-const std::map<std::string, client::Delivery> kDeliveries{{"every", client::Delivery::kEvery},
-                                                          {"latest", client::Delivery::kLatest}};
-const std::map<std::string, bool> kArrivals{{"constant", false}, {"poisson", true}};
+std::map<std::string, client::PositionEncoding> Encodings() {
+  return {{"float32", client::PositionEncoding::kFloat32},
+          {"float32-le", client::PositionEncoding::kFloat32Le},
+          {"int16-le", client::PositionEncoding::kInt16Le}};
+}
+std::map<std::string, client::Delivery> Deliveries() {
+  return {{"every", client::Delivery::kEvery}, {"latest", client::Delivery::kLatest}};
+}
+std::map<std::string, bool> Arrivals() { return {{"constant", false}, {"poisson", true}}; }
 
 template <class Value>
 std::string NameIn(const std::map<std::string, Value>& names, Value value) {
@@ -70,9 +72,9 @@ nlohmann::ordered_json SettingsOf(const CLI::App& command, const LoadRequest& re
   const auto name = [&](const char* flag, const std::string& value) {
     if (settings.contains(flag)) settings[flag] = value;
   };
-  name("--encoding", NameIn(kEncodings, request.encoding));
-  name("--delivery", NameIn(kDeliveries, request.delivery));
-  name("--arrivals", NameIn(kArrivals, request.poisson));
+  name("--encoding", NameIn(Encodings(), request.encoding));
+  name("--delivery", NameIn(Deliveries(), request.delivery));
+  name("--arrivals", NameIn(Arrivals(), request.poisson));
   return settings;
 }
 
@@ -132,7 +134,7 @@ void AddScene(CLI::App& command, LoadRequest& request) {
                   "further iterations of every update; default 0")
       ->check(Between(0, 1000))
       ->option_text("N");
-  AddChoice(command, "--encoding", request.encoding, kEncodings,
+  AddChoice(command, "--encoding", request.encoding, Encodings(),
             "how positions travel; default float32");
 }
 
@@ -174,7 +176,7 @@ void AddRates(CLI::App& command, LoadRequest& request) {
       ->needs(search)
       ->check(Between(0.1, 100))
       ->option_text("PERCENT");
-  AddChoice(command, "--arrivals", request.poisson, kArrivals,
+  AddChoice(command, "--arrivals", request.poisson, Arrivals(),
             "whether the messages of an open loop are evenly spaced or come as those of many "
             "people do; default constant");
   command
@@ -215,7 +217,7 @@ void AddBusiness(CLI::App& command, LoadRequest& request) {
       "MIX",
       "what messages are, by weight: drag=90,edit=5,bake=2,flatten=2,register=1; default drag=1. "
       "Baking (10 frames), flattening and registering are calls beside the streams");
-  AddChoice(command, "--delivery", request.delivery, kDeliveries,
+  AddChoice(command, "--delivery", request.delivery, Deliveries(),
             "whether the server answers every update or the latest; default every");
   command
       .add_option("--seed", request.seed, "another one means other times and targets; default 0")
