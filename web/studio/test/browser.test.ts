@@ -6,7 +6,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { setTimeout as delay } from "node:timers/promises";
 
-import { Stack } from "./support/stack.js";
+import { Stack, patience } from "./support/stack.js";
 import type { Studio } from "./support/stack.js";
 import { unzip } from "./support/unzip.js";
 import { ringPng } from "./support/png.js";
@@ -198,7 +198,7 @@ test("the keyboard places, moves, turns and removes pins", async () => {
   await studio.pinCount(1);
   await page.getByRole("tab", { name: "Puppet" }).focus();
   await page.keyboard.press("ArrowRight");
-  assert.equal(await page.getByRole("tab", { selected: true }).textContent(), "Pins");
+  await page.getByRole("tab", { selected: true, name: "Pins", exact: true }).waitFor();
   await page.context().close();
 });
 
@@ -211,7 +211,8 @@ test("a picture with a hole becomes a puppet, and what is none is said", async (
     buffer: ringPng(200, 80, 40),
   });
   await studio.until("studio.figure.name === 'ring' && studio.facts?.holes === 1");
-  assert.match((await studio.page.locator("[data-facts=mesh]").textContent())!, /1 piece, 1 hole/);
+  // What the page says follows what it knows.
+  await studio.page.locator("[data-facts=mesh]", { hasText: "1 piece, 1 hole" }).waitFor();
   await studio.ask("studio.suggestPins()");
   await studio.ask("studio.movePin('pin-1', { x: 20, y: 20 })");
   await studio.settle();
@@ -262,7 +263,8 @@ test("a page that is closed leaves no session behind", async () => {
     (await fetch(`${stack.address}/v1/sessions/${id}`)).status;
   assert.equal(await status(), 200);
   await studio.page.goto("about:blank");
-  while ((await status()) !== 404) await delay(20);
+  for (const limit = Date.now() + patience; (await status()) !== 404; await delay(20))
+    assert.ok(Date.now() < limit, "the session stays");
   await studio.page.context().close();
 });
 
@@ -270,7 +272,7 @@ test("the view is moved and zoomed beside the puppet, and Alt removes a pin", as
   const studio = await stack.open();
   const { page } = studio;
   await threePins(studio);
-  assert.equal(await page.getByRole("tab", { selected: true }).textContent(), "Pins");
+  await page.getByRole("tab", { selected: true, name: "Pins", exact: true }).waitFor();
   const before = await studio.at(320, 610);
   const [x, y] = await studio.at(20, 20);
   await page.mouse.move(x, y);
@@ -328,7 +330,7 @@ test("a server that is killed under a drag and comes back without anything is ca
   await stack.killServer();
   // The pins go on moving while nobody answers.
   for (let i = 0; i < 10; ++i) await studio.page.mouse.move(x - 3 * i, y - 20 - 3 * i);
-  assert.ok((await studio.ask<number>("studio.puppet.pins[1].y")) > 510);
+  await studio.until("studio.puppet.pins[1].y > 510");
   await studio.page.getByText("Waiting for the server…").waitFor();
   await stack.startServer();
   await studio.page.mouse.move(x - 40, y - 60);
