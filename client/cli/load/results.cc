@@ -2,6 +2,21 @@
 
 namespace arap::cli {
 
+void OperationResults::Add(const OperationResults& more) {
+  response.Merge(more.response);
+  service.Merge(more.service);
+  queue.Merge(more.queue);
+  solve.Merge(more.solve);
+  sent += more.sent;
+  answered += more.answered;
+  failed += more.failed;
+  late += more.late;
+  unsent += more.unsent;
+  replaced += more.replaced;
+  verified += more.verified;
+  wrong += more.wrong;
+}
+
 std::vector<Operation> LoadResults::Done() const {
   std::vector<Operation> done;
   for (std::size_t k = 0; k < kOperations; ++k) {
@@ -13,20 +28,7 @@ std::vector<Operation> LoadResults::Done() const {
 
 OperationResults LoadResults::Total() const {
   OperationResults total;
-  for (const OperationResults& done : operations) {
-    total.response.Merge(done.response);
-    total.service.Merge(done.service);
-    total.queue.Merge(done.queue);
-    total.solve.Merge(done.solve);
-    total.sent += done.sent;
-    total.answered += done.answered;
-    total.failed += done.failed;
-    total.late += done.late;
-    total.unsent += done.unsent;
-    total.replaced += done.replaced;
-    total.verified += done.verified;
-    total.wrong += done.wrong;
-  }
+  for (const OperationResults& done : operations) total.Add(done);
   return total;
 }
 

@@ -58,6 +58,8 @@ struct OperationResults {
   std::uint64_t wrong = 0;     // and were others
 
   bool Any() const { return sent + unsent > 0; }
+  // Counts what `more` counts, too.
+  void Add(const OperationResults& more);
 };
 
 // Of a stretch of time, of one operation. Times of answers count where the answer came.

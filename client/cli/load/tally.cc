@@ -127,20 +127,8 @@ Glance Tally::TakeGlance() {
 void Tally::AddTo(LoadResults& results) const {
   const MutexLock lock(&mutex_);
   for (std::size_t i = 0; i < kOperations; ++i) {
-    const OperationResults& from = operations_[static_cast<Operation>(i)];
-    OperationResults& to = results.operations[static_cast<Operation>(i)];
-    to.response.Merge(from.response);
-    to.service.Merge(from.service);
-    to.queue.Merge(from.queue);
-    to.solve.Merge(from.solve);
-    to.sent += from.sent;
-    to.answered += from.answered;
-    to.failed += from.failed;
-    to.late += from.late;
-    to.unsent += from.unsent;
-    to.replaced += from.replaced;
-    to.verified += from.verified;
-    to.wrong += from.wrong;
+    const auto operation = static_cast<Operation>(i);
+    results.operations[operation].Add(operations_[operation]);
   }
   results.echo.Merge(echo_);
 }
