@@ -1,7 +1,14 @@
+import { readdirSync } from "node:fs";
 import { defineConfig } from "vite";
 
-// Everything is asked for relative to the page, so that it can be served under any path.
+// Every HTML file here is a page. Everything is asked for relative to it, so that it can be served under any
+// path.
 export default defineConfig({
   base: "./",
-  build: { target: "es2022", assetsInlineLimit: 0, modulePreload: { polyfill: false } },
+  build: {
+    target: "es2022",
+    assetsInlineLimit: 0,
+    modulePreload: { polyfill: false },
+    rollupOptions: { input: readdirSync(".").filter((name) => name.endsWith(".html")) },
+  },
 });

@@ -1,4 +1,4 @@
-// Puts the page together.
+// Puts the puppet page together.
 import "./style.css";
 
 import { Studio } from "./studio.js";
@@ -7,39 +7,36 @@ import { button, h } from "./ui/dom.js";
 import { Guide, keyHelp } from "./ui/guide.js";
 import { motionTab, pinsTab, puppetTab, tabbed } from "./ui/panel.js";
 import { saveTab } from "./ui/save_tab.js";
+import { head, onDrop, oncePerPicture, speaker, undoing } from "./ui/shell.js";
 import { takeTab } from "./ui/take_tab.js";
 import { Stage } from "./view/stage.js";
 import { words } from "./words.js";
 
 function start(): void {
   const root = document.getElementById("root")!;
-  document.title = words.title;
   const studio = new Studio();
   const takes = new Takes(studio);
   let stage: Stage;
   try {
     stage = new Stage(studio, takes);
   } catch {
-    root.append(h("p", { role: "alert", class: "fatal" }, words.noWebGL));
+    const sorry = h(
+      "main",
+      { id: "sorry" },
+      h("p", { role: "alert", class: "fatal" }, words.noWebGL),
+    );
+    root.append(head("puppet", "sorry", words.skip), sorry);
     return;
   }
 
-  // ---- the head: title, history, help, colours
-  const undo = button(words.undo, () => studio.undo());
-  const redo = button(words.redo, () => studio.redo());
+  // ---- the head: history, help
+  const history = undoing(studio);
   const guide = new Guide(studio);
   const keys = keyHelp();
   const help = button(words.help, () => {
     guide.open();
     keys.showModal();
   });
-  const head = h(
-    "header",
-    {},
-    h("a", { class: "skip", href: "#stage" }, words.skip),
-    h("h1", {}, words.title),
-    h("div", { class: "row tools" }, undo, redo, help),
-  );
 
   // ---- the stage with its tools
   const tools = (["pins", "starch"] as const).map((tool) =>
@@ -71,40 +68,21 @@ function start(): void {
   };
 
   // ---- what is said, and the read-outs
-  const polite = h("p", { class: "unseen", role: "status" });
-  const toast = h("div", { class: "toast", role: "alert" });
-  let hide: ReturnType<typeof setTimeout>;
-  studio.onSay((text, urgent) => {
-    if (!urgent) {
-      polite.textContent = text;
-      return;
-    }
-    clearTimeout(hide);
-    toast.replaceChildren(
-      h("p", {}, text),
-      button("×", () => toast.replaceChildren(), { "aria-label": words.close }),
-    );
-    hide = setTimeout(() => toast.replaceChildren(), 12_000);
-  });
+  const voice = speaker();
+  studio.onSay((text, urgent) => voice.say(text, urgent));
   const meters = readouts(studio);
 
   root.append(
-    head,
+    head("puppet", "stage", words.skip, ...history.buttons, help),
     h("main", {}, place, h("aside", { "aria-label": words.tabList }, panel.element)),
     meters.element,
-    polite,
-    toast,
+    ...voice.elements,
     keys,
   );
 
   // ---- all of it follows the document, once per picture
-  let asked = false;
   const sync = (): void => {
-    asked = false;
-    undo.disabled = studio.history.undoable === undefined;
-    redo.disabled = studio.history.redoable === undefined;
-    undo.title = studio.history.undoable ? words.undoWhat(studio.history.undoable) : "";
-    redo.title = studio.history.redoable ? words.redoWhat(studio.history.redoable) : "";
+    history.sync();
     for (const tool of tools) {
       tool.setAttribute("aria-pressed", String(tool.dataset["tool"] === studio.looks.tool));
     }
@@ -112,33 +90,13 @@ function start(): void {
     for (const tab of tabs) if (!tab.element.hidden) tab.sync();
     meters.sync();
   };
-  const ask = (): void => {
-    if (asked) return;
-    asked = true;
-    requestAnimationFrame(sync);
-  };
+  const ask = oncePerPicture(sync);
   studio.listen(ask);
   takes.listen(ask);
   // The read-outs are of the last seconds, and go down when nothing happens.
   setInterval(() => meters.sync(), 500);
 
-  document.addEventListener("keydown", (event) => {
-    if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
-    const key = event.key.toLowerCase();
-    if (key === "z" && event.shiftKey) studio.redo();
-    else if (key === "z") studio.undo();
-    else if (key === "y") studio.redo();
-    else return;
-    event.preventDefault();
-  });
-  for (const kind of ["dragover", "drop"] as const) {
-    document.addEventListener(kind, (event) => {
-      event.preventDefault();
-      const file = kind === "drop" ? event.dataTransfer?.files[0] : undefined;
-      if (file) void studio.openFile(file);
-    });
-  }
-
+  onDrop((file) => void studio.openFile(file));
   window.addEventListener("pagehide", () => studio.session.leave());
 
   // What tests look at.

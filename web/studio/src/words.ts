@@ -1,10 +1,13 @@
-// Every text of the page. For another language give an object of the same shape.
+// Every text of the pages. For another language give an object of the same shape.
 
 const pinWord = (id: string): string => id.replace(/^pin-/, "pin ");
 const round = (value: number): string => String(Math.round(value));
 
 export const words = {
-  title: "Puppet studio",
+  pageList: "Pages",
+  pages: {
+    puppet: { name: "Puppet", title: "Puppet studio" },
+  },
   skip: "To the puppet",
   tabs: { puppet: "Puppet", pins: "Pins", motion: "Motion", take: "Take", save: "Save" },
   tabList: "What to change",
