@@ -52,13 +52,18 @@ export class Callers {
   /** UNKNOWN_USER where users are told apart and nobody says who it is. */
   async of(request: IncomingMessage): Promise<Caller> {
     const { user } = this.#settings;
-    if (!user) return { owner: "", key: this.addressOf(request) };
+    if (!user) return this.nobody(request);
     const name = await user(request);
     if (name === undefined || name === "") {
       throw new Problem("UNKNOWN_USER", "Nobody says who is asking.");
     }
     const owner = ownerOf(name);
     return { owner, key: owner };
+  }
+
+  /** Counted by the address. */
+  nobody(request: IncomingMessage): Caller {
+    return { owner: "", key: this.addressOf(request) };
   }
 
   /** FORBIDDEN_ORIGIN for a page of another site. What is no page says no origin. */
@@ -84,6 +89,17 @@ export class Callers {
     const scheme = (socket as TLSSocket).encrypted ? "https" : "http";
     const proto = (believed && last(headers["x-forwarded-proto"])) || scheme;
     return `${proto}://${host.toLowerCase()}`;
+  }
+
+  /**
+   * Whether it comes from this machine, through no proxy, and under a name of this machine: what only
+   * its operators may read.
+   */
+  isOwn(request: IncomingMessage): boolean {
+    const asked = this.#ownOrigin(request);
+    return (
+      this.isLocal(request) && (this.#settings.origins.includes(asked) || !this.#isRebound(request))
+    );
   }
 
   /** Whether it comes from this machine, and through no proxy. */

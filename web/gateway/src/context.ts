@@ -21,8 +21,8 @@ declare module "fastify" {
     fields?: Readonly<Record<string, string>>;
     /** Whether it goes on when the gateway drains. */
     always?: boolean;
-    /** Whether it is a page of a browser, and not data. */
-    page?: boolean;
+    /** Whether it is asked without a user also where users are told apart. */
+    ofNobody?: boolean;
   }
 }
 

@@ -26,6 +26,7 @@ import { requestIdOf } from "./request_id.js";
 import { factRoutes } from "./routes/facts.js";
 import { flattenRoutes } from "./routes/flatten.js";
 import { sessionRoutes } from "./routes/sessions.js";
+import { trackRoutes } from "./routes/tracks.js";
 import { Sockets } from "./stream/sockets.js";
 import { check } from "./validate.js";
 
@@ -109,7 +110,8 @@ function addHooks(app: FastifyInstance, context: Context, rates: Rates): void {
     addHeaders(reply, isPage);
     if (request.method !== "GET" && request.method !== "HEAD") callers.checkOrigin(request.raw);
     if (!isApi(request)) return;
-    request.caller = await callers.of(request.raw);
+    const { ofNobody } = request.routeOptions.config;
+    request.caller = ofNobody ? callers.nobody(request.raw) : await callers.of(request.raw);
     const wait = rates.take(request.caller.key);
     if (wait > 0)
       throw new Problem("RATE_LIMITED", "Too many requests came at once.", { retryAfterMs: wait });
@@ -197,6 +199,7 @@ async function appOf(settings: Settings, context: Context, rates: Rates): Promis
       factRoutes(scope, context);
       flattenRoutes(scope, context);
       sessionRoutes(scope, context);
+      trackRoutes(scope, context);
     },
     { prefix: settings.prefix },
   );

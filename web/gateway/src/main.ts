@@ -19,7 +19,7 @@ const camel = (name: string): string =>
 
 const texts: Readonly<Record<string, string>> = {
   arapd: "the server, host:port or unix:PATH (localhost:50051)",
-  "arapd-admin": "its admin page, http://HOST:PORT, for /metrics/arapd",
+  "arapd-admin": "its admin page, http://HOST:PORT, for /v1/load and /metrics/arapd",
   listen: "HOST:PORT, port 0: any free one (127.0.0.1:8080)",
   "token-file": "file with the gateway's bearer token",
   "tls-ca": "who vouches for the server, in PEM",
@@ -29,7 +29,7 @@ const texts: Readonly<Record<string, string>> = {
   origins: "other origins whose pages may ask, separated by commas",
   "trust-proxy": "addresses of proxies that are believed, separated by commas",
   static: "folder with pages to serve",
-  metrics: "who may read /metrics: local, all or none (local)",
+  metrics: "who may read /metrics and /v1/load: local, all or none (local)",
   "log-level": "silent, error, warn, info or debug (info)",
 };
 

@@ -51,7 +51,7 @@ export type Numbers = { readonly [Name in keyof typeof numberRules]: number };
 export interface GatewayOptions extends Partial<Numbers> {
   /** host:port or unix:PATH. Default "localhost:50051". */
   arapd?: string | undefined;
-  /** The admin page of arapd, "http://127.0.0.1:9464": what /metrics/arapd passes on. */
+  /** The admin page of arapd, "http://127.0.0.1:9464": for /v1/load and /metrics/arapd. */
   arapdAdmin?: string | undefined;
   /** The gateway's bearer token. */
   token?: string | undefined;
@@ -74,7 +74,7 @@ export interface GatewayOptions extends Partial<Numbers> {
   trustProxy?: readonly string[] | undefined;
   /** A folder with pages to serve at "/". */
   static?: string | undefined;
-  /** Who may read /metrics. Default "local": who connects from this machine, not through a proxy. */
+  /** Who may read /metrics and /v1/load. Default "local": who connects from this machine, not through a proxy. */
   metrics?: "local" | "all" | "none" | undefined;
   /** Also metrics of the Node process. Default true. */
   processMetrics?: boolean | undefined;

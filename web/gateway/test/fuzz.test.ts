@@ -120,6 +120,20 @@ test("bodies of every route", { timeout }, () =>
             vertexSubset: [0, 1],
           },
         ],
+        [
+          "POST",
+          `${at}/handle-sets/h/track`,
+          {
+            handles: ["l", "r"],
+            frames: [
+              { positions: [0, 0, 3, 1], angles: [0, 0], scales: [1, 1] },
+              { positions: [0, 0, 3, 2] },
+            ],
+            refine: 1,
+            boundaryOnly: true,
+            encoding: "int16",
+          },
+        ],
       ];
       const dice = new Dice(seed);
       const statuses = new Map<number, number>();
@@ -140,6 +154,7 @@ test("bodies of every route", { timeout }, () =>
         "application/json",
         "image/svg+xml",
         "application/pdf",
+        "application/octet-stream",
         "model/obj",
         "image/*;q=0.5",
         ",;q=,",

@@ -28,6 +28,7 @@ test("the document is valid, and has every route", { timeout }, () =>
       "GET /v1/jobs/{job}",
       "GET /v1/jobs/{job}/events",
       "GET /v1/jobs/{job}/result",
+      "GET /v1/load",
       "GET /v1/sessions/{session}",
       "GET /v1/sessions/{session}/handle-sets/{handleSet}",
       "GET /v1/sessions/{session}/meshes/{mesh}",
@@ -38,6 +39,7 @@ test("the document is valid, and has every route", { timeout }, () =>
       "POST /v1/sessions",
       "POST /v1/sessions/{session}/handle-sets",
       "POST /v1/sessions/{session}/handle-sets/{handleSet}/deform",
+      "POST /v1/sessions/{session}/handle-sets/{handleSet}/track",
       "POST /v1/sessions/{session}/meshes",
       "POST /v1/surfaces",
     ]);

@@ -18,6 +18,8 @@ export class Server {
   /** Of this test alone; goes with stop(). */
   readonly folder = mkdtempSync(join(tmpdir(), "arapd-web-"));
   address = "";
+  /** Where its admin page is, when the flags have --admin. */
+  admin = "";
   readonly #flags: readonly string[];
   readonly #listen: string;
   #child: ChildProcess | undefined;
@@ -34,8 +36,11 @@ export class Server {
 
   /** Starts it and waits until it listens. */
   async start(): Promise<this> {
-    const always = ["--listen", this.#listen, "--max-stream-load", "0", "--no-admin"];
-    const child = spawn(program, [...always, ...this.#flags], {
+    const hasAdmin = this.#flags.includes("--admin");
+    const always = ["--listen", this.#listen, "--max-stream-load", "0"];
+    const words = [...always, ...(hasAdmin ? [] : ["--no-admin"]), ...this.#flags];
+    this.address = this.admin = "";
+    const child = spawn(program, words, {
       stdio: ["ignore", "pipe", "pipe"],
     });
     this.#child = child;
@@ -46,10 +51,11 @@ export class Server {
     const limit = setTimeout(() => child.kill("SIGKILL"), 60_000);
     for await (const line of createInterface({ input: child.stdout })) {
       const address = /^arapd listening on (.*)$/.exec(line)?.[1];
-      if (address === undefined) continue;
+      if (address !== undefined) this.address = address;
+      this.admin = /^arapd admin on (.*)$/.exec(line)?.[1] ?? this.admin;
+      if (this.address === "" || (hasAdmin && this.admin === "")) continue;
       clearTimeout(limit);
       child.stdout.resume();
-      this.address = address;
       return this;
     }
     clearTimeout(limit);

@@ -15,11 +15,16 @@ const mediaTypes: readonly (readonly [string, AnswerKind])[] = [
 export const mediaTypeOf = (kind: AnswerKind): string =>
   mediaTypes.find(([, one]) => one === kind)![0];
 
+export const kindOf = (accept: string | undefined): AnswerKind => acceptedOf(accept, mediaTypes);
+
 /**
  * The best of what Accept lists, by its qualities and then by our order. NOT_ACCEPTABLE when there
  * is none.
  */
-export function kindOf(accept: string | undefined): AnswerKind {
+export function acceptedOf<Kind>(
+  accept: string | undefined,
+  mediaTypes: readonly (readonly [string, Kind])[],
+): Kind {
   const ranges = (accept?.trim() || "*/*")
     .slice(0, 2000)
     .split(",")
@@ -39,13 +44,13 @@ export function kindOf(accept: string | undefined): AnswerKind {
     }
     return 0;
   };
-  let best: AnswerKind | undefined;
+  let best: Kind | undefined;
   let most = 0;
   for (const [media, kind] of mediaTypes) {
     const quality = qualityOf(media);
     if (quality > most) [best, most] = [kind, quality];
   }
-  if (best) return best;
+  if (best !== undefined) return best;
   throw new Problem(
     "NOT_ACCEPTABLE",
     `What can be answered is ${mediaTypes.map(([media]) => media).join(", ")}.`,

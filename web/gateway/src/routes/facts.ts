@@ -4,10 +4,12 @@ import type { FastifyInstance, FastifyReply, FastifyRequest } from "fastify";
 
 import type { Context } from "../context.js";
 import { calling } from "../context.js";
+import { Load, readMetrics } from "../load/load.js";
 import { toldNumbers } from "../options.js";
 import { Problem, kinds, slugOf } from "../problems.js";
 import type { ProblemReason } from "../problems.js";
 import { answers, parameters } from "../schemas/base.js";
+import { LoadAnswer } from "../schemas/load.js";
 
 const Info = Type.Object({
   version: Type.String(),
@@ -27,8 +29,6 @@ const ProblemPage = Type.Object({
 const reasons = new Map(
   Object.keys(kinds).map((reason) => [slugOf(reason), reason as ProblemReason]),
 );
-const adminTimeoutMs = 5000;
-const mostMetricBytes = 4 << 20;
 
 export function factRoutes(app: FastifyInstance, context: Context): void {
   const { settings, callers, metrics } = context;
@@ -80,52 +80,41 @@ export function factRoutes(app: FastifyInstance, context: Context): void {
     return reply.send({ status: "ok" });
   });
 
-  const mayRead = (request: FastifyRequest): void => {
+  const mayRead = async (request: FastifyRequest): Promise<void> => {
     const { metrics: who } = settings;
-    if (who === "all" || (who === "local" && callers.isLocal(request.raw))) return;
+    if (who === "all" || (who === "local" && callers.isOwn(request.raw))) return;
     throw new Problem("NO_SUCH_ROUTE", "There is nothing at this path.");
+  };
+  const adminOf = (): string => {
+    if (settings.arapdAdmin !== undefined) return settings.arapdAdmin;
+    throw new Problem("NO_SUCH_ROUTE", "The gateway does not know the admin page of its server.");
   };
   const text = (reply: FastifyReply, body: string, type: string): FastifyReply =>
     reply.header("cache-control", "no-store").type(type).send(body);
-  app.get("/metrics", hidden, async (request, reply) => {
-    mayRead(request);
-    return text(reply, await metrics.registry.metrics(), metrics.registry.contentType);
-  });
-  app.get("/metrics/arapd", hidden, async (request, reply) => {
-    mayRead(request);
-    if (settings.arapdAdmin === undefined) {
-      throw new Problem("NO_SUCH_ROUTE", "The gateway does not know the admin page of its server.");
-    }
-    return text(
-      reply,
-      await readMetrics(settings.arapdAdmin),
-      "text/plain; version=0.0.4; charset=utf-8",
-    );
-  });
-}
+  const forOperators = { ...hidden, preHandler: mayRead };
+  app.get("/metrics", forOperators, async (_, reply) =>
+    text(reply, await metrics.registry.metrics(), metrics.registry.contentType),
+  );
+  app.get("/metrics/arapd", forOperators, async (_, reply) =>
+    text(reply, await readMetrics(adminOf()), "text/plain; version=0.0.4; charset=utf-8"),
+  );
 
-// The text of arapd's own metrics, at most so much of it.
-async function readMetrics(admin: string): Promise<string> {
-  const parts: Uint8Array[] = [];
-  let length = 0;
-  try {
-    const response = await fetch(new URL("/metrics", admin), {
-      signal: AbortSignal.timeout(adminTimeoutMs),
-    });
-    if (!response.ok || !response.body) throw new Error(`status ${response.status}`);
-    for await (const part of response.body as unknown as AsyncIterable<Uint8Array>) {
-      length += part.length;
-      if (length > mostMetricBytes) throw new Error("the text is too long");
-      parts.push(part);
-    }
-  } catch (error) {
-    throw new Problem(
-      "DRAINING",
-      `The server's admin page does not answer: ${(error as Error).message}.`,
-      {
-        retryAfterMs: 1000,
+  let load: Load | undefined;
+  app.get(
+    "/v1/load",
+    {
+      schema: {
+        summary: "How busy the gateway and its server are, for operators",
+        tags: ["facts"],
+        response: answers({ 200: LoadAnswer }),
       },
-    );
-  }
-  return Buffer.concat(parts).toString("utf8");
+      config: { always: true, ofNobody: true },
+      preHandler: mayRead,
+    },
+    async (_, reply) => {
+      void reply.header("cache-control", "no-store");
+      load ??= new Load(metrics, adminOf());
+      return load.read();
+    },
+  );
 }

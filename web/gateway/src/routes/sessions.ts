@@ -3,7 +3,7 @@ import { Type } from "@sinclair/typebox";
 import type { Static, TObject } from "@sinclair/typebox";
 import type { FastifyInstance, FastifyReply, FastifyRequest } from "fastify";
 
-import type { CallOptions, Handle, Session } from "@arapd/client";
+import type { CallOptions, Handle, Session, Shape } from "@arapd/client";
 
 import type { Context } from "../context.js";
 import { calling } from "../context.js";
@@ -46,6 +46,24 @@ const timed = (
     `queue;dur=${queueMicros / 1000}, solve;dur=${solveMicros / 1000}`,
   );
 };
+/** A shape as JSON. */
+export function answerOf(shape: Shape): object {
+  const { positions, vertices, flippedCount, flippedIds, worstHandleError, worstHandleId } = shape;
+  const { energy, meanStretch, maxStretch, picks, handleSetRevision } = shape;
+  return {
+    positions,
+    vertices,
+    flippedCount,
+    flippedIds,
+    worstHandleError,
+    worstHandleId,
+    energy,
+    meanStretch,
+    maxStretch,
+    picks,
+    handleSetRevision,
+  };
+}
 type Path = { session: string; mesh: string; handleSet: string };
 const pathOf = (request: FastifyRequest): Path => request.params as Path;
 
@@ -259,22 +277,7 @@ export function sessionRoutes(app: FastifyInstance, context: Context): void {
         ),
       );
       timed(reply, shape);
-      const { positions, vertices, flippedCount, flippedIds, worstHandleError, worstHandleId } =
-        shape;
-      const { energy, meanStretch, maxStretch, picks, handleSetRevision } = shape;
-      return {
-        positions,
-        vertices,
-        flippedCount,
-        flippedIds,
-        worstHandleError,
-        worstHandleId,
-        energy,
-        meanStretch,
-        maxStretch,
-        picks,
-        handleSetRevision,
-      };
+      return answerOf(shape);
     },
   );
 

@@ -111,6 +111,24 @@ export const ShapeAnswer = Type.Object({
   handleSetRevision: Type.Integer(),
 });
 
+export const TrackBody = closed({
+  handles: Type.Array(name(), {
+    maxItems: 100_000,
+    description: "Every handle of the set once: the columns of the frames.",
+  }),
+  frames: Type.Array(
+    closed({
+      positions: numbers("x y x y…, a target for each of the handles."),
+      angles: optional(numbers("In radians, one for each or none.")),
+      scales: optional(numbers("One for each or none.")),
+    }),
+    { minItems: 1, maxItems: 1_000_000 },
+  ),
+  ...shapeOptions,
+  encoding: optional(oneOf(["float32", "int16"], "Of binary answers. Default float32.")),
+  float64: flag("Positions in double precision, of answers in NDJSON."),
+});
+
 const sequence = optional(Type.Integer({ minimum: 1, maximum: 4294967295 }));
 const type = <const T extends string>(value: T) => Type.Literal(value);
 

@@ -36,11 +36,19 @@ export function frameOf(shape: Shape, skipped: number, replaced: number): Buffer
     handleSetRevision: shape.handleSetRevision,
   });
   const { local } = shape;
+  return joined(shape.sequence, local, facts);
+}
+
+/** A frame without a shape: the problem because of which none follows. */
+export const lastFrameOf = (sequence: number, problem: object): Buffer =>
+  joined(sequence, new Float32Array(0), toJson({ problem }));
+
+function joined(sequence: number, local: Shape["local"], facts: string): Buffer {
   const tail = Buffer.from(facts);
   const head = Buffer.alloc(headBytes);
   head.writeUInt8(frameVersion, 0);
   head.writeUInt8(local instanceof Int16Array ? 1 : 0, 1);
-  head.writeUInt32LE(shape.sequence >>> 0, 4);
+  head.writeUInt32LE(sequence >>> 0, 4);
   head.writeUInt32LE(local.length / 2, 8);
   head.writeUInt32LE(tail.length, 12);
   return Buffer.concat([head, bytesOf(local), tail]);
