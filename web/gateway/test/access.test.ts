@@ -1,8 +1,7 @@
 // Who may ask: users and tokens, origins, proxies, rates and counts; and what no page ever sees.
 import assert from "node:assert/strict";
 import { execFileSync, spawnSync } from "node:child_process";
-import { createHash, randomBytes } from "node:crypto";
-import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, rmSync } from "node:fs";
 import type { IncomingMessage } from "node:http";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -16,23 +15,11 @@ import { Server } from "../../client/test/support/server.js";
 import { ask, hold, json, onStage, problem } from "./support/gateway.js";
 import { Page } from "./support/page.js";
 import { grid, plain, puppet } from "./support/puppet.js";
+import { tokenFile } from "./support/tokens.js";
 
 const timeout = 120_000;
 const user = ({ headers }: IncomingMessage): string | undefined =>
   headers["x-user"] as string | undefined;
-
-/** A token of the role gateway, and the file that says so. */
-function tokenFile(folder: string, more: object = {}): { file: string; token: string } {
-  const [id, salt, secret] = [16, 16, 32].map((bytes) => randomBytes(bytes).toString("hex"));
-  const sha256 = createHash("sha256").update(`${salt}${secret}`).digest("hex");
-  const file = join(folder, "tokens.json");
-  writeFileSync(
-    file,
-    JSON.stringify([{ id, owner: "shop", role: "gateway", salt, sha256, ...more }]),
-    { mode: 0o600 },
-  );
-  return { file, token: `arapd_${id}_${secret}` };
-}
 
 test("users have sessions of their own, and the token stays where it is", { timeout }, async () => {
   const folder = mkdtempSync(join(tmpdir(), "arapd-gateway-"));
