@@ -15,18 +15,9 @@ namespace {
 constexpr double kSize = 1000;  // the longer side of the picture part of an animation
 constexpr double kMargin = 40;
 constexpr double kCaption = 60;
-constexpr std::size_t kMostFrames = 90;
 // About five bytes for each edge of each frame: beyond this the inner edges are left out.
 constexpr std::size_t kMostEdgesInAllFrames = 1'000'000;
-constexpr double kFramesPerSecond = 30;
 constexpr long kHandleRadius = 11;
-
-Bounds BoundsOf(const Film& film) {
-  Bounds bounds;
-  for (const auto& shape : film.shapes) bounds.Add(shape);
-  for (const auto& handles : film.handles) bounds.Add(handles);
-  return bounds;
-}
 
 std::string Animate(const char* attribute, double seconds, const std::string& values) {
   return fmt::format(
@@ -34,46 +25,44 @@ std::string Animate(const char* attribute, double seconds, const std::string& va
       attribute, seconds, values);
 }
 
-// A path that takes the place of the same lines in every chosen frame.
-std::string MovingPath(const Film& film, const std::vector<std::size_t>& chosen, const Lines& lines,
-                       bool closed, const View& view, std::string_view style, double seconds) {
+// A path that takes the place of the same lines in every frame.
+std::string MovingPath(const Film& film, const Lines& lines, bool closed, const View& view,
+                       std::string_view style, double seconds) {
   std::string values;
-  for (const std::size_t frame : chosen) {
+  for (const std::vector<Complex>& shape : film.shapes) {
     if (!values.empty()) values += ';';
-    values += PathData(lines, closed, film.shapes[frame], view);
+    values += PathData(lines, closed, shape, view);
   }
   return fmt::format("<path {} d=\"{}\">{}</path>\n", style,
-                     PathData(lines, closed, film.shapes[chosen.front()], view),
+                     PathData(lines, closed, film.shapes.front(), view),
                      Animate("d", seconds, values));
 }
 
-// The places of a handle over the chosen frames. While it is not there, it keeps its last place, at
-// first the one where it will appear, and has no size.
+// The places of a handle over the frames. While it is not there, it keeps its last place, at first
+// the one where it will appear, and has no size.
 struct HandlePath {
   std::vector<long> xs, ys, radii;
 
-  HandlePath(const Film& film, const std::vector<std::size_t>& chosen, std::size_t k,
-             const View& view) {
-    const auto there = [&](std::size_t frame) {
-      return std::isfinite(film.handles[frame][k].real());
+  HandlePath(const Film& film, std::size_t k, const View& view) {
+    const auto there = [k](const std::vector<Complex>& handles) {
+      return std::isfinite(handles[k].real());
     };
-    const auto first = std::find_if(chosen.begin(), chosen.end(), there);
-    if (first == chosen.end()) return;
-    std::size_t shown = *first;
-    for (const std::size_t frame : chosen) {
-      if (there(frame)) shown = frame;
-      xs.push_back(view.X(film.handles[shown][k].real()));
-      ys.push_back(view.Y(film.handles[shown][k].imag()));
-      radii.push_back(there(frame) ? kHandleRadius : 0);
+    const auto first = std::find_if(film.handles.begin(), film.handles.end(), there);
+    if (first == film.handles.end()) return;
+    Complex shown = (*first)[k];
+    for (const std::vector<Complex>& handles : film.handles) {
+      if (there(handles)) shown = handles[k];
+      xs.push_back(view.X(shown.real()));
+      ys.push_back(view.Y(shown.imag()));
+      radii.push_back(there(handles) ? kHandleRadius : 0);
     }
   }
 };
 
-std::string MovingHandles(const Film& film, const std::vector<std::size_t>& chosen,
-                          const View& view, double seconds) {
+std::string MovingHandles(const Film& film, const View& view, double seconds) {
   std::string out;
   for (std::size_t k = 0; k < film.handles.front().size(); ++k) {
-    const HandlePath path(film, chosen, k, view);
+    const HandlePath path(film, k, view);
     if (path.xs.empty()) continue;
     const auto animate = [&](const char* attribute, const std::vector<long>& values) {
       return Animate(attribute, seconds, fmt::format("{}", fmt::join(values, ";")));
@@ -87,34 +76,22 @@ std::string MovingHandles(const Film& film, const std::vector<std::size_t>& chos
   return out;
 }
 
-// How many frames an animation keeps: every frame, every second, every third… of the film, so that
-// the time between two of them is the same throughout.
-std::vector<std::size_t> Thinned(std::size_t total) {
-  const std::size_t step = (total + kMostFrames - 1) / kMostFrames;
-  std::vector<std::size_t> chosen;
-  for (std::size_t i = 0; i < total; i += step) chosen.push_back(i);
-  return chosen;
-}
-
 }  // namespace
 
-std::string FormatAnimation(const Film& film) {
-  const Bounds bounds = BoundsOf(film);
+std::string FormatAnimation(const Film& film, double seconds, const Bounds& bounds) {
   const double longer = std::max({bounds.width(), bounds.height(), 1e-300});
   const double width = kSize * bounds.width() / longer + 2 * kMargin;
   const double height = kSize * bounds.height() / longer + 2 * kMargin;
   const View view(bounds, kMargin, kMargin, width - 2 * kMargin, height - 2 * kMargin);
-  const std::vector<std::size_t> chosen = Thinned(film.frame_count());
-  const double seconds = std::max(1.0, static_cast<double>(film.frame_count()) / kFramesPerSecond);
 
-  std::string body = MovingPath(film, chosen, BoundaryLines(film.triangles), /*closed=*/true, view,
-                                kBodyStyle, seconds);
+  std::string body =
+      MovingPath(film, BoundaryLines(film.triangles), /*closed=*/true, view, kBodyStyle, seconds);
   const std::size_t edges = 3 * film.triangles.size() / 2;
-  if (edges * chosen.size() <= kMostEdgesInAllFrames) {
-    body += MovingPath(film, chosen, InnerLines(film.triangles), /*closed=*/false, view, kMeshStyle,
-                       seconds);
+  if (edges * film.frame_count() <= kMostEdgesInAllFrames) {
+    body +=
+        MovingPath(film, InnerLines(film.triangles), /*closed=*/false, view, kMeshStyle, seconds);
   }
-  body += MovingHandles(film, chosen, view, seconds);
+  body += MovingHandles(film, view, seconds);
   // A letter is about half as wide as it is high: a long caption gets smaller letters.
   const double letters = static_cast<double>(std::max<std::size_t>(film.caption.size(), 1));
   const double size = std::min(22.0, (width - 2 * kMargin) / (0.55 * letters));
@@ -140,47 +117,33 @@ void AppendHandles(const std::vector<Complex>& handles, const View& view, std::s
 
 }  // namespace
 
-std::vector<std::size_t> Spread(std::size_t total, std::size_t count) {
-  std::vector<std::size_t> chosen;
-  if (total == 0 || count == 0) return chosen;
-  if (count == 1) return {0};
-  count = std::min(total, count);
-  for (std::size_t i = 0; i < count; ++i) {
-    chosen.push_back(count == 1 ? 0 : i * (total - 1) / (count - 1));
-  }
-  return chosen;
-}
-
-std::string FormatSheet(const Film& film, std::size_t count) {
-  const std::vector<std::size_t> chosen = Spread(film.frame_count(), count);
+std::string FormatSheet(const Film& film) {
+  const std::size_t count = film.frame_count();
   Bounds bounds;
-  for (const std::size_t frame : chosen) {
-    bounds.Add(film.shapes[frame]);
-    bounds.Add(film.handles[frame]);
-  }
+  for (const std::vector<Complex>& shape : film.shapes) bounds.Add(shape);
+  for (const std::vector<Complex>& handles : film.handles) bounds.Add(handles);
   const double longer = std::max({bounds.width(), bounds.height(), 1e-300});
   const double width = kPictureSide * bounds.width() / longer;
   const double height = kPictureSide * bounds.height() / longer;
-  const std::size_t columns = std::min(kColumns, chosen.size());
-  const std::size_t rows = (chosen.size() + columns - 1) / columns;
+  const std::size_t columns = std::min(kColumns, count);
+  const std::size_t rows = (count + columns - 1) / columns;
 
   const Lines outline = BoundaryLines(film.triangles);
   const Lines inner = InnerLines(film.triangles);
   std::string body;
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     const std::size_t row = i / columns;
     const double left = kGap + static_cast<double>(i - row * columns) * (width + kGap);
     const double top = kGap + static_cast<double>(row) * (height + kLabel + kGap);
     const View view(bounds, left, top, width, height);
-    const std::vector<Complex>& shape = film.shapes[chosen[i]];
+    const std::vector<Complex>& shape = film.shapes[i];
     fmt::format_to(std::back_inserter(body), "<path {} d=\"{}\"/>\n<path {} d=\"{}\"/>\n",
                    kBodyStyle, PathData(outline, /*closed=*/true, shape, view), kMeshStyle,
                    PathData(inner, /*closed=*/false, shape, view));
-    AppendHandles(film.handles[chosen[i]], view, body);
-    const std::size_t frame = chosen[i];
-    body += SvgText(
-        left, top + height + kLabel, 16,
-        film.labels.empty() ? fmt::format("frame {}", film.numbers[frame]) : film.labels[frame]);
+    AppendHandles(film.handles[i], view, body);
+    body +=
+        SvgText(left, top + height + kLabel, 16,
+                film.labels.empty() ? fmt::format("frame {}", film.numbers[i]) : film.labels[i]);
   }
   const double total_width = kGap + static_cast<double>(columns) * (width + kGap);
   const double total_height = kGap + static_cast<double>(rows) * (height + kLabel + kGap);

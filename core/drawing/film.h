@@ -6,10 +6,11 @@
 #include <vector>
 
 #include "arap/model/mesh.h"
+#include "core/drawing/outline.h"
 
 namespace arap {
 
-// Frames of one mesh with its handles.
+// Frames of one mesh with its handles, those that are drawn.
 struct Film {
   std::vector<Triangle> triangles;           // #F
   std::vector<std::vector<Complex>> shapes;  // per frame: the vertices (#V)
@@ -22,14 +23,12 @@ struct Film {
   std::size_t frame_count() const { return shapes.size(); }
 };
 
-// An animation that loops, one second for 30 frames of the film. Long films and large meshes are
-// thinned out so that the file stays within a few megabytes. Needs at least one frame.
-std::string FormatAnimation(const Film& film);
+// An animation that loops in so many seconds, its frames evenly through them. `bounds` is the box
+// that it has to fit in. Inner edges are left out where they would make the file larger than a few
+// megabytes. Needs at least one frame.
+std::string FormatAnimation(const Film& film, double seconds, const Bounds& bounds);
 
-// A still sheet of `count` frames, evenly chosen, first and last among them.
-std::string FormatSheet(const Film& film, std::size_t count);
-
-// `count` of `total` indices, evenly spread, first and last among them; all when there are fewer.
-std::vector<std::size_t> Spread(std::size_t total, std::size_t count);
+// A still sheet of the frames. Needs at least one.
+std::string FormatSheet(const Film& film);
 
 }  // namespace arap

@@ -114,7 +114,7 @@ Result<Reply> BakeTrack(const StageOptions& options) {
   const PlanarMesh& mesh = stage.mesh();
   const Track& track = stage.track();
   ShapesFile shapes(options.out, mesh.vertices.size());
-  FilmMaker film(options, stage);
+  FilmMaker film(options, stage, /*every=*/true);
   Totals totals;
   std::vector<EditTimes> edits;
   {

@@ -160,10 +160,10 @@ Status Drag(const DragOptions& options) {
   if (!options.stage.out.empty()) {
     shapes.emplace(options.stage.out, stage.mesh().vertices.size());
   }
-  FilmMaker film(options.stage, stage);
   TRY(client::DeformStream stream, stage.session().OpenStream(kHandleSet, HowToStream(options)));
 
   const bool every = options.delivery == client::Delivery::kEvery;
+  FilmMaker film(options.stage, stage, every);
   const auto play = [&]() -> Result<DragTimes> {
     // The stream itself knows how long it waits; this is for Ctrl-C.
     Patience patience(std::chrono::hours(24 * 365), [&stream] { stream.Cancel(); });

@@ -116,8 +116,8 @@ Status DrawDeformations(const client::Client& client, const std::string& folder)
   }
   const Film third = puppet.Take("One pose in the three representations");
   CHECK_OK(session.Delete(call));
-  CHECK_OK(WriteTextFile(folder + "/figure2.svg", FormatSheet(second, 3)));
-  return WriteTextFile(folder + "/figure3.svg", FormatSheet(third, 3));
+  CHECK_OK(WriteTextFile(folder + "/figure2.svg", FormatSheet(second)));
+  return WriteTextFile(folder + "/figure3.svg", FormatSheet(third));
 }
 
 Status DrawFlattenings(const client::Client& client, const std::string& folder) {

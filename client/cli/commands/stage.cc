@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <climits>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -167,23 +168,25 @@ Origin Stage::InTrack(std::string field, std::string entry, std::vector<JsonStep
           }};
 }
 
-FilmMaker::FilmMaker(const StageOptions& options, const Stage& stage)
-    : svg_(options.svg), frames_svg_(options.frames_svg), track_(stage.track()), segments_(track_) {
-  film_.triangles = stage.mesh().triangles;
+FilmMaker::FilmMaker(const StageOptions& options, const Stage& stage, bool every)
+    : svg_(options.svg),
+      frames_svg_(options.frames_svg),
+      track_(stage.track()),
+      segments_(track_),
+      handle_count_(track_.handles.size()),
+      reel_(stage.mesh().triangles,
+            every ? std::optional<std::size_t>(track_.frames.size()) : std::nullopt) {
+  for (const TrackEdit& edit : track_.edits) handle_count_ += edit.add.size();
 }
 
 void FilmMaker::Add(std::size_t frame, std::vector<Complex> positions) {
   if (svg_.empty() && frames_svg_.empty()) return;
-  film_.shapes.push_back(std::move(positions));
-  film_.handles.push_back(HandlesAt(frame));
-  film_.numbers.push_back(frame);
+  reel_.Add(frame, std::move(positions), HandlesAt(frame));
 }
 
 std::vector<Complex> FilmMaker::HandlesAt(std::size_t frame) {
-  std::size_t count = track_.handles.size();
-  for (const TrackEdit& edit : track_.edits) count += edit.add.size();
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  std::vector<Complex> handles(count, {kNone, kNone});
+  std::vector<Complex> handles(handle_count_, {kNone, kNone});
   const std::vector<std::size_t>& numbers = segments_.At(frame).numbers;
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     handles[numbers[k]] = track_.frames[frame].targets[k].position;
@@ -192,11 +195,9 @@ std::vector<Complex> FilmMaker::HandlesAt(std::size_t frame) {
 }
 
 Status FilmMaker::Write(const std::string& caption) {
-  constexpr std::size_t kSheetFrames = 8;
-  if (film_.frame_count() == 0) return {};
-  film_.caption = caption;
-  if (!svg_.empty()) CHECK_OK(WriteTextFile(svg_, FormatAnimation(film_)));
-  if (!frames_svg_.empty()) return WriteTextFile(frames_svg_, FormatSheet(film_, kSheetFrames));
+  if (reel_.frame_count() == 0) return {};
+  if (!svg_.empty()) CHECK_OK(WriteTextFile(svg_, reel_.Animation(caption)));
+  if (!frames_svg_.empty()) return WriteTextFile(frames_svg_, reel_.Sheet(caption));
   return {};
 }
 

@@ -13,7 +13,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/own_words.h"
 #include "client/cli/connect/connection.h"
-#include "core/drawing/film.h"
+#include "core/drawing/reel.h"
 #include "core/files/json_text.h"
 #include "core/files/surface_file.h"
 #include "core/files/track.h"
@@ -87,10 +87,11 @@ class Stage {
   double compile_micros_ = 0;
 };
 
-// Collects what the pictures need, if any is wanted.
+// Collects what the pictures need, if any is wanted: some frames, however long the track is.
 class FilmMaker {
  public:
-  FilmMaker(const StageOptions& options, const Stage& stage);
+  // `every`: whether all frames of the track will come.
+  FilmMaker(const StageOptions& options, const Stage& stage, bool every);
 
   // Frames in their order.
   void Add(std::size_t frame, std::vector<Complex> positions);
@@ -105,7 +106,8 @@ class FilmMaker {
   std::string frames_svg_;
   const Track& track_;
   TrackSegments segments_;
-  Film film_;
+  std::size_t handle_count_ = 0;  // that the track ever has
+  Reel reel_;
 };
 
 // How long a change of the handles took.
