@@ -1,4 +1,6 @@
-// Every text of the pages. For another language give an object of the same shape.
+// Every text of the pages, those of the load page in words/load.ts. For another language give an object of the
+// same shape.
+import { load } from "./words/load.js";
 
 const pinWord = (id: string): string => id.replace(/^pin-/, "pin ");
 const round = (value: number): string => String(Math.round(value));
@@ -7,6 +9,7 @@ export const words = {
   pageList: "Pages",
   pages: {
     puppet: { name: "Puppet", title: "Puppet studio" },
+    load: { name: "Load", title: "Server load" },
   },
   skip: "To the puppet",
   tabs: { puppet: "Puppet", pins: "Pins", motion: "Motion", take: "Take", save: "Save" },
@@ -116,7 +119,7 @@ export const words = {
     record: "Record",
     stop: "Stop",
     recording: (seconds: number) => `Recording, ${seconds.toFixed(1)} s`,
-    hint: "Press Record, drag the pins, press Stop. Then trim, smooth and loop what you have.",
+    hint: "Press Record, drag the pins, press Stop. Then trim, smooth and loop what you have, and take it home under “Save”.",
     play: "Play",
     pause: "Pause",
     frame: "Frame",
@@ -134,6 +137,7 @@ export const words = {
     timeline: "Timeline",
     none: "There is no take yet.",
     noPins: "Place pins first.",
+    later: "The server does not answer. The shapes of the take are computed when it is back.",
   },
   save: {
     none: "Record a take first: it is what is saved here.",
@@ -207,7 +211,7 @@ export const words = {
     pointerList: [
       ["Click", "places a pin; Alt click removes one"],
       ["Drag", "pulls a pin, as many as there are fingers; beside the puppet it moves the view"],
-      ["Wheel", "closer and farther"],
+      ["Wheel, two fingers", "closer and farther; the fingers beside the puppet"],
     ] as const,
   },
   steps: {
@@ -235,6 +239,7 @@ export const words = {
     redone: (what: string) => `Redone: ${what}`,
     outside: "There is no puppet at the cross",
   },
+  load,
   noWebGL: "This browser has no WebGL 2, with which the puppet is drawn.",
   wentWrong: (sentence: string) => sentence || "Something went wrong.",
 };

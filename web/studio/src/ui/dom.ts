@@ -23,6 +23,15 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
+/** Changes a text only where it is another one: each change costs the browser a layout. */
+export function write(element: Element, text: string): void {
+  if (element.textContent !== text) element.textContent = text;
+}
+/** The same for an attribute. */
+export function mark(element: Element, name: string, value: string): void {
+  if (element.getAttribute(name) !== value) element.setAttribute(name, value);
+}
+
 let ids = 0;
 export const freshName = (): string => `x${++ids}`;
 
@@ -59,8 +68,9 @@ export function slider(options: SliderOptions): Field {
     step: options.step ?? 1,
   });
   const show = (value: number): void => {
-    output.textContent = options.say(value);
-    input.setAttribute("aria-valuetext", options.say(value));
+    const text = options.say(value);
+    write(output, text);
+    mark(input, "aria-valuetext", text);
   };
   input.addEventListener("input", () => {
     show(input.valueAsNumber);

@@ -4,8 +4,11 @@ import { words } from "../words.js";
 import { button, h } from "./dom.js";
 
 /** Named as in `words.pages`. */
-export type Page = "puppet";
-const pages: readonly (readonly [Page, string])[] = [["puppet", "./"]];
+export type Page = "puppet" | "load";
+const pages: readonly (readonly [Page, string])[] = [
+  ["puppet", "./"],
+  ["load", "./load.html"],
+];
 
 /** The head of a page: a way past it to the element with the id `main`, its name, the other pages, tools. */
 export function head(page: Page, main: string, skip: string, ...tools: HTMLElement[]): HTMLElement {

@@ -51,9 +51,17 @@ async function end(child: ChildProcess, signal: NodeJS.Signals): Promise<void> {
 export class Stack {
   readonly folder = mkdtempSync(join(tmpdir(), "arapd-studio-"));
   address = "";
+  /** Where arapd's admin page is, with `--admin`. */
+  admin = "";
+  readonly #hasAdmin: boolean;
   #server!: ChildProcess;
   #gateway!: ChildProcess;
   #browser!: Browser;
+
+  /** `hasAdmin`: with arapd's admin page, which the gateway knows. */
+  constructor(hasAdmin = false) {
+    this.#hasAdmin = hasAdmin;
+  }
 
   async start(): Promise<this> {
     await this.startServer();
@@ -90,6 +98,7 @@ export class Stack {
     // A test asks more in a minute than a visitor.
     words.push("--static", join(process.cwd(), "dist"), "--max-requests-per-minute", "100000");
     words.push("--log-level", "error");
+    if (this.#hasAdmin) words.push("--arapd-admin", `http://${this.admin}`);
     [this.#gateway, this.address] = await listening(
       process.execPath,
       words,
@@ -98,9 +107,15 @@ export class Stack {
   }
 
   async startServer(): Promise<void> {
-    const words = ["--listen", `unix:${this.folder}/socket`, "--store", "memory", "--no-admin"];
+    const words = ["--listen", `unix:${this.folder}/socket`, "--store", "memory"];
     words.push("--max-stream-load", "0");
-    [this.#server] = await listening(process.env["ARAPD"]!, words, /^arapd listening on (.*)$/);
+    if (this.#hasAdmin) words.push("--admin", this.admin || "127.0.0.1:0");
+    else words.push("--no-admin");
+    // Its admin page comes last.
+    const line = this.#hasAdmin ? /^arapd admin on (.*)$/ : /^arapd listening on (.*)$/;
+    const [child, address] = await listening(process.env["ARAPD"]!, words, line);
+    this.#server = child;
+    if (this.#hasAdmin) this.admin = address;
   }
   async killGateway(): Promise<void> {
     await end(this.#gateway, "SIGKILL");
@@ -109,17 +124,29 @@ export class Stack {
     await end(this.#server, "SIGKILL");
   }
 
-  /** A page with the first puppet live. Errors of the page fail the test that asks `faults`. */
-  async open(options: BrowserContextOptions = {}): Promise<Studio> {
+  /** A page as it comes, of this path. */
+  async visit(
+    options: BrowserContextOptions = {},
+    path = "",
+    prepare: (page: Page) => void = () => {},
+  ): Promise<Page> {
     const context = await this.#browser.newContext({ acceptDownloads: true, ...options });
     context.setDefaultTimeout(patience);
     const page = await context.newPage();
+    prepare(page);
+    await page.goto(new URL(path, this.address).href);
+    return page;
+  }
+
+  /** A page with the first puppet live. Errors of the page fail the test that asks `faults`. */
+  async open(options: BrowserContextOptions = {}): Promise<Studio> {
     const faults: string[] = [];
-    page.on("pageerror", (error) => faults.push(error.message));
-    page.on("console", (message) => {
-      if (/Content.Security.Policy/.test(message.text())) faults.push(message.text());
+    const page = await this.visit(options, "", (fresh) => {
+      fresh.on("pageerror", (error) => faults.push(error.message));
+      fresh.on("console", (message) => {
+        if (/Content.Security.Policy/.test(message.text())) faults.push(message.text());
+      });
     });
-    await page.goto(this.address);
     const studio = new Studio(page, faults);
     await studio.until("studio.connection === 'live' && studio.puppet.body !== null");
     return studio;
