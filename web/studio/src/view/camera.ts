@@ -41,3 +41,22 @@ export const toFigure = (
   camera.x + (x - width / 2) / camera.zoom,
   camera.y - (y - height / 2) / camera.zoom,
 ];
+
+/** Closer or farther; the place so many CSS pixels from the middle of the view stays where it is. */
+export function zoomed(
+  { x, y, zoom: before }: Camera,
+  factor: number,
+  dx: number,
+  dy: number,
+): Camera {
+  const zoom = Math.min(40, Math.max(0.05, before * factor));
+  const shift = 1 / before - 1 / zoom;
+  return { x: x + dx * shift, y: y - dy * shift, zoom };
+}
+
+/** What is seen moves by so many CSS pixels. */
+export const moved = ({ x, y, zoom }: Camera, dx: number, dy: number): Camera => ({
+  x: x - dx / zoom,
+  y: y + dy / zoom,
+  zoom,
+});

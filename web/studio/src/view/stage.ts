@@ -7,11 +7,11 @@ import type { Studio } from "../studio.js";
 import type { Takes } from "../takes.js";
 import { h } from "../ui/dom.js";
 import { words } from "../words.js";
-import { fit, toFigure, toView } from "./camera.js";
+import { fit, moved, toFigure, toView, zoomed } from "./camera.js";
 import type { Camera } from "./camera.js";
 import { Painter } from "./painter.js";
+import { layersOf } from "./layers.js";
 import { PinLayer, gripReach } from "./pin_layer.js";
-import type { Colour, Layer } from "./painter.js";
 
 const toolsHeight = 48; // of the stage, from above
 
@@ -20,9 +20,6 @@ type Drag =
   | { kind: "turn"; id: string }
   | { kind: "paint" }
   | { kind: "pan"; x: number; y: number };
-
-const red: Colour = [0.86, 0.1, 0.12];
-const blue: Colour = [0.1, 0.36, 0.85];
 
 export class Stage {
   readonly element: HTMLElement;
@@ -44,6 +41,8 @@ export class Stage {
   onPick: () => void = () => {};
   /** Draws nothing, to measure the rest of the way. */
   blind = false;
+  /** How finely it draws; 1: every pixel of the screen. */
+  detail = 1;
 
   constructor(studio: Studio, takes: Takes) {
     this.#studio = studio;
@@ -95,10 +94,7 @@ export class Stage {
   /** A place of the view, in CSS pixels from its middle, stays where it is. */
   zoom(factor: number, dx = 0, dy = 0): void {
     this.#fitted = false;
-    const { x, y, zoom: before } = this.#camera;
-    const zoom = Math.min(40, Math.max(0.05, before * factor));
-    const shift = 1 / before - 1 / zoom;
-    this.#camera = { x: x + dx * shift, y: y - dy * shift, zoom };
+    this.#camera = zoomed(this.#camera, factor, dx, dy);
     this.ask();
   }
   fit(): void {
@@ -116,10 +112,17 @@ export class Stage {
   #resize(): void {
     const { clientWidth: width, clientHeight: height } = this.element;
     this.#size = { width, height };
-    const ratio = Math.min(2, devicePixelRatio);
-    this.#canvas.width = Math.max(1, Math.round(width * ratio));
-    this.#canvas.height = Math.max(1, Math.round(height * ratio));
     this.ask();
+  }
+
+  // With what is drawn, so that no empty canvas is seen between.
+  #resizeCanvas(): void {
+    const ratio = Math.min(2, devicePixelRatio) * this.detail;
+    const [width, height] = [this.#size.width, this.#size.height].map((length) =>
+      Math.max(1, Math.round(length * ratio)),
+    );
+    if (this.#canvas.width !== width) this.#canvas.width = width;
+    if (this.#canvas.height !== height) this.#canvas.height = height;
   }
 
   #draw(): void {
@@ -146,6 +149,7 @@ export class Stage {
     const shape = filmed ? film.shapes[frame] : this.#studio.shape;
     if (shape.length === body.picture.length && !this.blind) {
       const { looks } = this.#studio;
+      this.#resizeCanvas();
       this.#painter.body(body);
       const ghosts = looks.onion
         ? [
@@ -162,7 +166,7 @@ export class Stage {
           shape,
           order: filmed ? film.order : this.#studio.drawOrder,
           ghosts,
-          layers: this.#layers(filmed === true),
+          layers: layersOf(this.#studio, filmed === true),
           wire: looks.wire ? [0.05, 0.07, 0.1] : null,
         },
         this.#canvas.width / width,
@@ -186,31 +190,6 @@ export class Stage {
       const [x, y, angle, scale] = film.frames[frame].subarray(perPin * at, perPin * at + perPin);
       return { ...pin, x, y, angle, scale };
     });
-  }
-
-  #layers(filmed: boolean): Layer[] {
-    const { looks, puppet, flipped } = this.#studio;
-    const layers: Layer[] = [];
-    if (puppet.starch && (looks.tool === "starch" || looks.wire)) {
-      const levels = new Map<number, number[]>();
-      puppet.starch.forEach((amount, triangle) => {
-        if (amount === 1) return;
-        const level = Math.round(Math.log2(Math.max(1, amount)));
-        levels.set(level, [...(levels.get(level) ?? []), triangle]);
-      });
-      for (const [level, triangles] of levels) {
-        layers.push({
-          triangles,
-          tint: blue,
-          part: 0.25 + Math.min(0.45, level * 0.07),
-          strength: 1,
-        });
-      }
-    }
-    if (looks.flips && !filmed && flipped.length > 0) {
-      layers.push({ triangles: flipped, tint: red, part: 2, strength: 0.8 });
-    }
-    return layers;
   }
 
   #at(event: PointerEvent | MouseEvent): [number, number] {
@@ -304,16 +283,30 @@ export class Stage {
         this.#studio.paint(x, y);
         break;
       case "pan":
-        this.#fitted = false;
-        this.#camera = {
-          ...this.#camera,
-          x: this.#camera.x - (event.clientX - drag.x) / this.#camera.zoom,
-          y: this.#camera.y + (event.clientY - drag.y) / this.#camera.zoom,
-        };
-        [drag.x, drag.y] = [event.clientX, event.clientY];
-        this.ask();
+        this.#pan(event, drag);
         break;
     }
+  }
+
+  /** The view goes with the finger; two of them also bring it closer or farther. */
+  #pan(event: PointerEvent, drag: Drag & { kind: "pan" }): void {
+    const { clientX: x, clientY: y } = event;
+    const other = [...this.#drags.values()].find(
+      (one): one is Drag & { kind: "pan" } => one.kind === "pan" && one !== drag,
+    );
+    this.#fitted = false;
+    // What moves is the middle between the two.
+    const part = other ? 0.5 : 1;
+    this.#camera = moved(this.#camera, part * (x - drag.x), part * (y - drag.y));
+    if (other) {
+      const { left, top, width, height } = this.element.getBoundingClientRect();
+      const apart = (ax: number, ay: number): number =>
+        Math.max(20, Math.hypot(ax - other.x, ay - other.y));
+      const factor = apart(x, y) / apart(drag.x, drag.y);
+      this.zoom(factor, (x + other.x) / 2 - left - width / 2, (y + other.y) / 2 - top - height / 2);
+    }
+    [drag.x, drag.y] = [x, y];
+    this.ask();
   }
 
   #up(event: PointerEvent): void {
