@@ -194,7 +194,9 @@ export class Studio {
       this.#follow();
     } catch (error) {
       if (making !== this.#making) return;
-      const unreachable = error instanceof Problem && error.status === 0;
+      // Of the gateway, or of the server behind it.
+      const unreachable =
+        error instanceof Problem && (error.status === 0 || error.reason === "DRAINING");
       this.say(
         unreachable ? words.state.unreachable : words.wentWrong((error as Error).message),
         true,

@@ -22,6 +22,8 @@ export class Takes {
   film: Film | undefined;
   baking: number | undefined;
   #baker: AbortController | undefined;
+  // The take whose shapes are to be computed when the server is back.
+  #waits: Take | undefined;
   playing = false;
   /** Which frame of the film the stage shows; undefined: the live puppet. */
   frame: number | undefined;
@@ -124,14 +126,29 @@ export class Takes {
         this.baking = part;
         this.#changed();
       });
-      if (this.#baker !== baker || this.take !== take) return undefined;
+      if (this.#baker !== baker) return undefined;
+      // That of a take which is gone by now, and may come back, takes no other's place.
+      if (this.take !== take && this.film?.take === this.take) return undefined;
       this.film = film;
+      this.#waits = undefined;
+      if (this.take !== take) return undefined;
       if (this.frame !== undefined) this.frame = Math.min(this.frame, film.frames.length - 1);
       return film;
     } catch (error) {
-      if (!(error instanceof Problem && error.reason === "CANCELLED")) {
-        this.#studio.say(words.wentWrong((error as Error).message), true);
-      }
+      if (error instanceof Problem && error.reason === "CANCELLED") return undefined;
+      const gone = error instanceof Problem && error.status === 404;
+      if (gone) this.#studio.session.forget();
+      if (error instanceof Problem && (gone || error.passes)) {
+        if (this.#waits !== take) this.#studio.say(words.take.later, true);
+        this.#waits = take;
+        // As long as nothing newer is wanted; a take that was undone may come back.
+        const again = (): void => {
+          if (this.#baker !== baker) return;
+          if (this.take === take) void this.bakeIt();
+          else setTimeout(again, 2000);
+        };
+        setTimeout(again, error.retryAfterMs ?? 2000);
+      } else this.#studio.say(words.wentWrong((error as Error).message), true);
       return undefined;
     } finally {
       if (this.#baker === baker) {

@@ -148,6 +148,8 @@ export class Stack {
       });
     });
     const studio = new Studio(page, faults);
+    // What the page says is told with what never comes.
+    await page.evaluate("window.said = [], studio.onSay((text) => said.push(text))");
     await studio.until("studio.connection === 'live' && studio.puppet.body !== null");
     return studio;
   }
@@ -172,7 +174,10 @@ export class Studio {
     // Playwright's own wait would need the page to allow eval, which the gateway's headers forbid.
     const limit = Date.now() + patience;
     while (!(await this.page.evaluate(expression))) {
-      if (Date.now() > limit) throw new Error(`this never came: ${expression}`);
+      if (Date.now() > limit) {
+        const said = await this.page.evaluate("said.join(' | ')");
+        throw new Error(`this never came: ${expression}; the page said: ${said}`);
+      }
       await delay(20);
     }
   }
