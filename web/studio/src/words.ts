@@ -129,7 +129,7 @@ export const words = {
     end: "To",
     seconds: (seconds: number) => `${seconds.toFixed(2)} s`,
     smooth: "Smooth",
-    loop: "Loop over",
+    loop: "Loop, blended over",
     loopValue: (seconds: number) => (seconds === 0 ? "off" : `${seconds.toFixed(2)} s`),
     remove: "Delete the take",
     baking: (part: number) => `Computing the shapes, ${Math.round(100 * part)} %`,
@@ -190,7 +190,7 @@ export const words = {
       ],
       [
         "Drag a pin",
-        "Pull. The rest follows as if it were of rubber. Use as many fingers as you like.",
+        "Pull. The rest follows as if it were of rubber. Use as many fingers as you like. “Take” records what you do, “Save” has files of it.",
       ],
     ] as const,
     of: (step: number) => `Step ${step} of 3`,

@@ -122,7 +122,7 @@ export function saveTab(studio: Studio, takes: Takes): Tab {
   }
   function save(file: string, parts: (Uint8Array | string | Blob)[], type: string): void {
     download(file, parts as BlobPart[], type);
-    studio.say(words.save.done(file));
+    said = words.save.done(file);
   }
 
   const canFilm = filmType() !== undefined;
@@ -133,6 +133,17 @@ export function saveTab(studio: Studio, takes: Takes): Tab {
     act: (film: Film, progress: Progress) => Promise<void>;
     able?: boolean;
   }[] = [
+    { name: words.save.svg, key: "svg", hint: () => words.save.svgHint, act: svg },
+    { name: words.save.png, key: "png", hint: () => words.save.pngHint, act: sequence },
+    {
+      name: words.save.webm,
+      key: "webm",
+      hint: () => (canFilm ? words.save.webmHint : words.save.webmNone),
+      act: film,
+      able: canFilm,
+    },
+    { name: words.save.gltf, key: "gltf", hint: () => words.save.gltfHint, act: gltf },
+    { name: words.save.spine, key: "spine", hint: () => words.save.spineHint, act: spine },
     {
       name: words.save.track,
       key: "track",
@@ -142,20 +153,10 @@ export function saveTab(studio: Studio, takes: Takes): Tab {
         ),
       act: track,
     },
-    { name: words.save.svg, key: "svg", hint: () => words.save.svgHint, act: svg },
-    { name: words.save.gltf, key: "gltf", hint: () => words.save.gltfHint, act: gltf },
-    { name: words.save.spine, key: "spine", hint: () => words.save.spineHint, act: spine },
-    { name: words.save.png, key: "png", hint: () => words.save.pngHint, act: sequence },
-    {
-      name: words.save.webm,
-      key: "webm",
-      hint: () => (canFilm ? words.save.webmHint : words.save.webmNone),
-      act: film,
-      able: canFilm,
-    },
   ];
   const state = h("p", { class: "facts", role: "status" });
   let busy = false;
+  let said = ""; // what is saved
   const stillButton = h(
     "button",
     { type: "button", "data-save": "still", onclick: () => void guarded(words.save.still, still) },
@@ -181,6 +182,7 @@ export function saveTab(studio: Studio, takes: Takes): Tab {
   async function guarded(what: string, act: (progress: Progress) => Promise<void>): Promise<void> {
     if (busy) return;
     busy = true;
+    said = "";
     tab.sync();
     try {
       await act((part) => (state.textContent = words.save.working(what, part)));
@@ -188,7 +190,7 @@ export function saveTab(studio: Studio, takes: Takes): Tab {
       studio.say(words.wentWrong((error as Error).message), true);
     } finally {
       busy = false;
-      state.textContent = "";
+      state.textContent = said;
       tab.sync();
     }
   }
@@ -202,10 +204,10 @@ export function saveTab(studio: Studio, takes: Takes): Tab {
         "section",
         {},
         h("h2", {}, words.tabs.save),
+        state,
         h("div", { class: "saves" }, stillButton, h("p", { class: "hint" }, words.save.stillHint)),
         none,
         h("div", { class: "saves" }, ...buttons.flatMap((one, i) => [one, hints[i]])),
-        state,
       ),
     ),
     sync() {
