@@ -3,7 +3,7 @@ import "./style.css";
 
 import { Studio } from "./studio.js";
 import { Takes } from "./takes.js";
-import { button, h } from "./ui/dom.js";
+import { button, h, mark, write } from "./ui/dom.js";
 import { Guide, keyHelp } from "./ui/guide.js";
 import { motionTab, pinsTab, puppetTab, tabbed } from "./ui/panel.js";
 import { saveTab } from "./ui/save_tab.js";
@@ -84,17 +84,17 @@ function start(): void {
   const sync = (): void => {
     history.sync();
     for (const tool of tools) {
-      tool.setAttribute("aria-pressed", String(tool.dataset["tool"] === studio.looks.tool));
+      mark(tool, "aria-pressed", String(tool.dataset["tool"] === studio.looks.tool));
     }
     stage.element.dataset["tool"] = studio.looks.tool;
     for (const tab of tabs) if (!tab.element.hidden) tab.sync();
-    meters.sync();
+    meters.say();
   };
   const ask = oncePerPicture(sync);
   studio.listen(ask);
   takes.listen(ask);
-  // The read-outs are of the last seconds, and go down when nothing happens.
-  setInterval(() => meters.sync(), 500);
+  // The read-outs are of the last seconds, and go down when nothing happens. Oftener nobody could read them.
+  setInterval(() => meters.sync(), 250);
 
   onDrop((file) => void studio.openFile(file));
   window.addEventListener("pagehide", () => studio.session.leave());
@@ -105,7 +105,8 @@ function start(): void {
   void studio.openSample(0);
 }
 
-function readouts(studio: Studio): { element: HTMLElement; sync(): void } {
+/** `say` how the connection is, which is quick; `sync` also what is measured. */
+function readouts(studio: Studio): { element: HTMLElement; say(): void; sync(): void } {
   const state = h("strong", { role: "status", "data-state": "" });
   const { meter } = studio;
   const ms = (value: number | undefined): string =>
@@ -119,6 +120,12 @@ function readouts(studio: Studio): { element: HTMLElement; sync(): void } {
     ["flips", words.meter.flips, () => String(studio.flipped.length)],
   ];
   const outputs = values.map(([key]) => h("dd", { "data-meter": key }));
+  const say = (): void => {
+    const late = studio.connection === "live" && studio.waiting > 2000;
+    const now = late ? "waiting" : studio.connection;
+    write(state, words.state[now]);
+    mark(state, "data-state", now);
+  };
   const element = h(
     "footer",
     { "aria-label": words.meter.label },
@@ -127,13 +134,10 @@ function readouts(studio: Studio): { element: HTMLElement; sync(): void } {
   );
   return {
     element,
+    say,
     sync() {
-      const late = studio.connection === "live" && studio.waiting > 2000;
-      const now = late ? "waiting" : studio.connection;
-      const text = words.state[now];
-      if (state.textContent !== text) state.textContent = text;
-      state.dataset["state"] = now;
-      values.forEach(([, , value], i) => (outputs[i].textContent = value()));
+      say();
+      values.forEach(([, , value], i) => write(outputs[i], value()));
     },
   };
 }

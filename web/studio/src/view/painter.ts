@@ -49,6 +49,7 @@ export interface Scene {
 export class Painter {
   readonly canvas: HTMLCanvasElement;
   readonly #gl: WebGL2RenderingContext;
+  readonly #isFast: boolean;
   readonly #program: WebGLProgram;
   readonly #places: WebGLBuffer;
   readonly #texels: WebGLBuffer;
@@ -58,6 +59,8 @@ export class Painter {
   #body: Body | null = null;
   #size = { width: 1, height: 1 };
   #edges: Uint32Array = new Uint32Array(0);
+  /** What the index buffer holds: mostly the same for all pictures of a drag. */
+  #uploaded: Uint32Array | undefined;
   #ordered: { triangles: Uint32Array; order: ArrayLike<number>; corners: Uint32Array } | undefined;
 
   /** Throws where there is no WebGL 2. `keep` for canvases that are read from. */
@@ -66,12 +69,14 @@ export class Painter {
     // Where the processor draws, smooth edges of triangles cost most of a picture; those of the figure
     // are smooth anyway, as the mesh reaches beyond them.
     const quick = { ...want, antialias: true, failIfMajorPerformanceCaveat: true };
+    const fast = canvas.getContext("webgl2", quick) as WebGL2RenderingContext | null;
     const gl =
-      (canvas.getContext("webgl2", quick) as WebGL2RenderingContext | null) ??
+      fast ??
       (canvas.getContext("webgl2", { ...want, antialias: keep }) as WebGL2RenderingContext | null);
     if (!gl) throw new Error("no WebGL 2");
     this.canvas = canvas;
     this.#gl = gl;
+    this.#isFast = fast !== null;
     this.#program = link(gl);
     const uniform = (name: string) => gl.getUniformLocation(this.#program, name);
     this.#uniform = { view: uniform("view"), tint: uniform("tint"), strength: uniform("strength") };
@@ -105,7 +110,8 @@ export class Painter {
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
     gl.generateMipmap(gl.TEXTURE_2D);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
+    const filter = this.#isFast ? gl.LINEAR_MIPMAP_LINEAR : gl.LINEAR_MIPMAP_NEAREST;
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
   }
 
   body(body: Body): void {
@@ -161,7 +167,8 @@ export class Painter {
   #place(shape: ArrayLike<number>): void {
     const gl = this.#gl;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.#places);
-    const places = shape instanceof Float32Array ? shape : Float32Array.from(shape);
+    // A constructor copies, where `from` would go through an iterator.
+    const places = shape instanceof Float32Array ? shape : new Float32Array(shape);
     gl.bufferData(gl.ARRAY_BUFFER, places, gl.STREAM_DRAW);
   }
 
@@ -175,7 +182,10 @@ export class Painter {
     const gl = this.#gl;
     gl.uniform4f(this.#uniform.tint, ...tint, part);
     gl.uniform1f(this.#uniform.strength, strength);
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.STREAM_DRAW);
+    if (indices !== this.#uploaded) {
+      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.STATIC_DRAW);
+      this.#uploaded = indices;
+    }
     gl.drawElements(how, indices.length, gl.UNSIGNED_INT, 0);
   }
 }

@@ -1,6 +1,6 @@
 // The pins above the canvas: buttons, so that everything reaches them, and the grip of the chosen one.
 import type { Pin } from "../model/puppet.js";
-import { h } from "../ui/dom.js";
+import { h, mark } from "../ui/dom.js";
 import { words } from "../words.js";
 
 /** How far the grip that turns a pin is from it, in CSS pixels. */
@@ -41,9 +41,9 @@ export class PinLayer {
       const element = this.#pins.get(pin.id) ?? this.#make(pin.id);
       const [x, y] = toView(pin.x, pin.y);
       element.style.transform = `translate(${x}px, ${y}px)`;
-      element.setAttribute("aria-label", words.pin.label(pin.id, pin.x, pin.y));
-      element.setAttribute("aria-pressed", String(pin.id === chosen));
-      element.dataset["kind"] = pin.firmness;
+      mark(element, "aria-label", words.pin.label(pin.id, pin.x, pin.y));
+      mark(element, "aria-pressed", String(pin.id === chosen));
+      mark(element, "data-kind", pin.firmness);
       if (pin.id === chosen) this.#placeGrip(pin, x, y);
     }
     if (!pins.some((pin) => pin.id === chosen)) this.#grip.hidden = true;
