@@ -1,10 +1,13 @@
 // Many drags over WebSockets: how long from an update to its shape, how many updates have one of
-// their own, and what memory the gateway takes meanwhile.
+// their own, and what memory the gateway takes meanwhile, every second: all of it, what V8 has taken
+// for its heap and uses of it, and what lies outside of the heap; with a straight line through the
+// last two thirds, which says whether it grows.
 //
 // Usage: node bench/drags.mjs [--sockets 200] [--rate 30] [--seconds 120] [--columns 30]
 //                             [--slow 10] [--encoding int16] [--json]
 // --columns N: meshes of N × N vertices, one for each session; --slow K: so many of the sockets read
-// nothing while the others drag, and at the end have to find one stale frame before the newest.
+// nothing while the others drag, and at the end have to find one stale frame before the newest;
+// --node-flags TEXT: how node runs the gateway, "--cpu-prof" say.
 // ARAPD=PATH is the server. Runs on a quiet machine; the pages, the gateway and arapd share it.
 import { spawn } from "node:child_process";
 import { once } from "node:events";
@@ -29,6 +32,7 @@ const { values } = parseArgs({
     columns: text("30"),
     slow: text("10"),
     encoding: text("int16"),
+    "node-flags": text(""),
     json: { type: "boolean", default: false },
   },
 });
@@ -105,7 +109,8 @@ class Drag {
   }
 
   complain(data) {
-    console.error(String(data).slice(0, 500));
+    // One is enough: the others say the same.
+    if (process.exitCode !== 1) console.error(String(data).slice(0, 500));
     process.exitCode = 1;
   }
 
@@ -139,6 +144,22 @@ class Drag {
   }
 }
 
+const kinds = [
+  ["resident", "process_resident_memory_bytes"],
+  ["heap", "nodejs_heap_size_total_bytes"],
+  ["used", "nodejs_heap_size_used_bytes"],
+  ["outside", "nodejs_external_memory_bytes"],
+];
+// Of the straight line that is nearest to the samples, in MiB per second.
+function slope(samples) {
+  const mean = (values) => values.reduce((sum, value) => sum + value, 0) / values.length;
+  const [at, level] = [
+    mean(samples.map((one) => one.at)),
+    mean(samples.map((one) => one.resident)),
+  ];
+  const over = samples.map((one) => (one.at - at) * (one.resident - level));
+  return mean(over) / mean(samples.map((one) => (one.at - at) ** 2));
+}
 const quantile = (sorted, part) =>
   sorted[Math.min(sorted.length - 1, Math.floor(part * sorted.length))] ?? NaN;
 const folder = mkdtempSync(join(tmpdir(), "arapd-drags-"));
@@ -164,6 +185,7 @@ try {
   const gateway = await start(
     process.execPath,
     [
+      ...values["node-flags"].split(" ").filter((flag) => flag !== ""),
       join(here, "dist/main.js"),
       "--arapd",
       server.address,
@@ -171,7 +193,11 @@ try {
       "127.0.0.1:0",
       "--log-level",
       "error",
-    ].concat(["--max-sockets-per-user", "10000", "--max-requests-per-minute", "1000000"]),
+    ].concat(
+      ["--max-sockets-per-user", "10000", "--max-requests-per-minute", "1000000"],
+      // Who reads nothing answers no pings either, and is to be there at the end.
+      ["--socket-ping-ms", "3600000"],
+    ),
     /listening on (.*)$/,
   );
   children.push(gateway.child);
@@ -182,12 +208,20 @@ try {
   const readers = drags.slice(slow);
   for (const { socket } of sleepers) socket.pause();
   const memory = [];
+  const began = performance.now();
   const sample = async () => {
+    const at = (performance.now() - began) / 1000;
     const metrics = await (await fetch(`${url}/metrics`)).text();
-    memory.push(Number(/^process_resident_memory_bytes (\S+)/m.exec(metrics)?.[1]) / 2 ** 20);
+    const read = (name) => Number(new RegExp(`^${name} (\\S+)`, "m").exec(metrics)?.[1]) / 2 ** 20;
+    const now = { at, ...Object.fromEntries(kinds.map(([kind, name]) => [kind, read(name)])) };
+    memory.push(now);
+    if (!values.json) {
+      const told = kinds.map(([kind]) => `${kind} ${now[kind].toFixed(1)}`).join("  ");
+      console.log(`${at.toFixed(0).padStart(4)} s  ${told} MiB`);
+    }
   };
   await sample();
-  const sampling = setInterval(() => void sample(), Math.max(1000, (seconds * 1000) / 24));
+  const sampling = setInterval(() => void sample(), 1000);
   const until = performance.now() + seconds * 1000;
   await Promise.all(drags.map((drag, i) => drag.run(until, ((1000 / rate) * i) / sockets)));
   clearInterval(sampling);
@@ -214,7 +248,14 @@ try {
     skipped: sum(readers, "skipped"),
     slowReaders: { sockets: slow, most: Math.max(0, ...sleepers.map(({ shapes }) => shapes)) },
     unanswered: drags.filter(({ last, updates }) => last !== updates).length,
-    gatewayMiB: memory.map(Math.round),
+    gatewayMiB: {
+      first: Math.round(memory[0].resident),
+      last: Math.round(memory.at(-1).resident),
+      most: Math.round(Math.max(...memory.map(({ resident }) => resident))),
+      // Of the last two thirds.
+      growthPerMinute: Number((60 * slope(memory.slice(memory.length / 3))).toFixed(2)),
+    },
+    ...(values.json && { memory }),
   };
   console.log(values.json ? JSON.stringify(report) : report);
   for (const { socket } of drags) socket.terminate();
