@@ -1,5 +1,6 @@
 // A drag on a puppet of many vertices, by the page's own meter: how many shapes come in a second, and how
-// long it takes from moving the pointer to the picture that shows it; drawn, and with drawing switched off.
+// long it takes from moving the pointer to the picture that shows it; drawn, and with drawing switched off. Also
+// what processor time of the browser that takes, which other work on the machine hardly changes.
 //
 // Usage: npm run build, then node bench/drag.mjs [--vertices 5000] [--seconds 20] [--rate 125] [--json]
 //   --rate N: how often a second the pointer moves. ARAPD=PATH is the server, CHROMIUM=PATH the browser.
@@ -7,7 +8,7 @@
 // machine, which ought to be quiet.
 import { spawn } from "node:child_process";
 import { once } from "node:events";
-import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, readdirSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { createInterface } from "node:readline";
@@ -25,7 +26,6 @@ const { values } = parseArgs({
     seconds: { type: "string", default: "20" },
     rate: { type: "string", default: "125" },
     trace: { type: "string" },
-    detail: { type: "string", default: "1" },
     json: { type: "boolean", default: false },
   },
 });
@@ -97,13 +97,17 @@ try {
   );
   const report = { vertices: count, moves: rate };
   for (const blind of [false, true]) {
-    await page.evaluate(`stage.blind = ${blind}, stage.detail = ${values.detail}`);
+    await page.evaluate(`stage.blind = ${blind}`);
     await page.mouse.move(x, y);
     await page.mouse.down();
     if (values.trace && !blind) await browser.startTracing(page, { path: values.trace });
+    const before = browserMs();
     const found = await page.evaluate(`(${drag})(${x}, ${y}, ${rate}, ${1000 * seconds})`);
+    found.processorMsPerSecond = Math.round((browserMs() - before) / seconds);
     if (values.trace && !blind) await browser.stopTracing();
     await page.mouse.up();
+    // The pin goes back to where the pointer is next.
+    await page.evaluate("studio.undo()");
     await until("studio.isSettled");
     report[blind ? "undrawn" : "drawn"] = found;
   }
@@ -113,6 +117,33 @@ try {
   for (const child of children.reverse()) child.kill("SIGTERM");
   await Promise.all(children.map((child) => child.exitCode ?? once(child, "exit")));
   rmSync(folder, { recursive: true, force: true });
+}
+
+// Processor time of the browser so far, in ms: of all that comes from this process, but of its other children.
+function browserMs() {
+  const parents = new Map();
+  const spent = new Map();
+  for (const pid of readdirSync("/proc")
+    .filter((name) => /^\d+$/.test(name))
+    .map(Number)) {
+    try {
+      const fields = readFileSync(`/proc/${pid}/stat`, "latin1")
+        .replace(/^.*\) /, "")
+        .split(" ");
+      parents.set(pid, Number(fields[1]));
+      spent.set(pid, 10 * (Number(fields[11]) + Number(fields[12])));
+    } catch {
+      // It has just ended.
+    }
+  }
+  const others = new Set(children.map(({ pid }) => pid));
+  const isOurs = (pid) => {
+    for (let at = pid; at > 1 && !others.has(at); at = parents.get(at)) {
+      if (parents.get(at) === process.pid) return true;
+    }
+    return false;
+  };
+  return [...spent].reduce((sum, [pid, ms]) => sum + (isOurs(pid) ? ms : 0), 0);
 }
 
 // In the page. The mouse is at x, y and holds a pin.
@@ -158,6 +189,7 @@ async function drag(x, y, rate, ms) {
     }, 1000 / rate);
   });
   goes = false;
+  const canvas = stage.element.querySelector("canvas");
   for (const name of Object.keys(seen)) delete meter[name].add;
   const part = (values, p) => {
     const sorted = [...values].sort((a, b) => a - b);
@@ -175,6 +207,7 @@ async function drag(x, y, rate, ms) {
     shapesPerSecond: Math.round((1000 * seen.shapes.length) / ms),
     pointerToPictureMs: of(seen.lag),
     pictureMs: of(seen.frame),
+    canvas: [canvas.width, canvas.height],
     serverMs: of(seen.server),
     networkMs: of(seen.network),
   };

@@ -18,6 +18,7 @@ import type { Body, Puppet } from "../src/model/puppet.js";
 import { frameOf, looped, pinsAt, playedFrames, smoothed } from "../src/model/take.js";
 import type { Take } from "../src/model/take.js";
 import { readShape } from "../src/net/shape.js";
+import { Detail } from "../src/view/detail.js";
 import { orderOf } from "../src/view/order.js";
 
 const square: Body = {
@@ -233,4 +234,30 @@ test("shapes are read as the gateway writes them", () => {
   }
   assert.throws(() => readShape(shapeBytes(false, [1, 2], facts).slice(0, 30)), /length/);
   assert.throws(() => readShape(new ArrayBuffer(4)), /version/);
+});
+
+test("pictures of a drag that come too seldom have fewer pixels, and all when it rests", async () => {
+  Object.assign(globalThis, { devicePixelRatio: 1 });
+  const canvas = { width: 0, height: 0 };
+  let now = 1000;
+  let asked: (() => void) | undefined;
+  const again = new Promise<void>((resolve) => (asked = resolve));
+  const detail = new Detail(canvas as HTMLCanvasElement, () => asked!());
+  const drag = (pictures: number, ms: number): number => {
+    for (let i = 0; i < pictures; ++i) detail.resize(1000, 500, true, (now += ms));
+    assert.equal(canvas.height * 2, canvas.width);
+    return canvas.width;
+  };
+  assert.equal(drag(100, 16), 1000, "quick enough");
+  assert.equal(drag(20, 1000), 1000, "nothing was to be drawn between");
+  assert.equal(drag(7, 40), 700);
+  assert.equal(drag(7, 40), 500);
+  assert.equal(drag(50, 40), 500, "not coarser than that");
+  assert.equal(drag(50, 16), 500, "no flickering");
+  await again;
+  detail.resize(1000, 500, true, (now += 300));
+  assert.equal(canvas.width, 1000, "the hand rests");
+  assert.equal(drag(1, 16), 500);
+  detail.resize(1000, 500, false, now);
+  assert.equal(canvas.width, 1000);
 });

@@ -49,7 +49,8 @@ export interface Scene {
 export class Painter {
   readonly canvas: HTMLCanvasElement;
   readonly #gl: WebGL2RenderingContext;
-  readonly #isFast: boolean;
+  /** A graphics processor draws. */
+  readonly isFast: boolean;
   readonly #program: WebGLProgram;
   readonly #places: WebGLBuffer;
   readonly #texels: WebGLBuffer;
@@ -65,18 +66,18 @@ export class Painter {
 
   /** Throws where there is no WebGL 2. `keep` for canvases that are read from. */
   constructor(canvas: HTMLCanvasElement, keep = false) {
-    const want = { alpha: true, premultipliedAlpha: true, preserveDrawingBuffer: keep };
     // Where the processor draws, smooth edges of triangles cost most of a picture; those of the figure
     // are smooth anyway, as the mesh reaches beyond them.
-    const quick = { ...want, antialias: true, failIfMajorPerformanceCaveat: true };
-    const fast = canvas.getContext("webgl2", quick) as WebGL2RenderingContext | null;
-    const gl =
-      fast ??
-      (canvas.getContext("webgl2", { ...want, antialias: keep }) as WebGL2RenderingContext | null);
+    this.isFast = hasGraphics();
+    const gl = canvas.getContext("webgl2", {
+      alpha: true,
+      premultipliedAlpha: true,
+      preserveDrawingBuffer: keep,
+      antialias: keep || this.isFast,
+    }) as WebGL2RenderingContext | null;
     if (!gl) throw new Error("no WebGL 2");
     this.canvas = canvas;
     this.#gl = gl;
-    this.#isFast = fast !== null;
     this.#program = link(gl);
     const uniform = (name: string) => gl.getUniformLocation(this.#program, name);
     this.#uniform = { view: uniform("view"), tint: uniform("tint"), strength: uniform("strength") };
@@ -110,7 +111,7 @@ export class Painter {
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
     gl.generateMipmap(gl.TEXTURE_2D);
-    const filter = this.#isFast ? gl.LINEAR_MIPMAP_LINEAR : gl.LINEAR_MIPMAP_NEAREST;
+    const filter = this.isFast ? gl.LINEAR_MIPMAP_LINEAR : gl.LINEAR_MIPMAP_NEAREST;
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
   }
 
@@ -188,6 +189,24 @@ export class Painter {
     }
     gl.drawElements(how, indices.length, gl.UNSIGNED_INT, 0);
   }
+}
+
+let known: boolean | undefined;
+
+/** Whether a graphics processor draws. Browsers say so, or by which name they draw themselves. */
+function hasGraphics(): boolean {
+  known ??= (() => {
+    const asked = { failIfMajorPerformanceCaveat: true };
+    const canvas = document.createElement("canvas");
+    const gl = canvas.getContext("webgl2", asked) as WebGL2RenderingContext | null;
+    if (!gl) return false;
+    const facts = gl.getExtension("WEBGL_debug_renderer_info");
+    const name = String(gl.getParameter(facts?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER));
+    // There may be few contexts at a time.
+    gl.getExtension("WEBGL_lose_context")?.loseContext();
+    return !/swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+  })();
+  return known;
 }
 
 function link(gl: WebGL2RenderingContext): WebGLProgram {

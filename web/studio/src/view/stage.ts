@@ -10,6 +10,7 @@ import { words } from "../words.js";
 import { fit, moved, toFigure, toView, zoomed } from "./camera.js";
 import type { Camera } from "./camera.js";
 import { Painter } from "./painter.js";
+import { Detail } from "./detail.js";
 import { layersOf } from "./layers.js";
 import { PinLayer, gripReach } from "./pin_layer.js";
 
@@ -41,8 +42,7 @@ export class Stage {
   onPick: () => void = () => {};
   /** Draws nothing, to measure the rest of the way. */
   blind = false;
-  /** How finely it draws; 1: every pixel of the screen. */
-  detail = 1;
+  readonly #detail: Detail;
 
   constructor(studio: Studio, takes: Takes) {
     this.#studio = studio;
@@ -73,6 +73,7 @@ export class Stage {
       pinKeys,
     );
     this.#painter = new Painter(this.#canvas);
+    this.#detail = new Detail(this.#canvas, () => this.ask());
     this.#listen();
     new ResizeObserver(() => this.#resize()).observe(this.element);
     studio.onShape = () => this.ask();
@@ -115,16 +116,6 @@ export class Stage {
     this.ask();
   }
 
-  // With what is drawn, so that no empty canvas is seen between.
-  #resizeCanvas(): void {
-    const ratio = Math.min(2, devicePixelRatio) * this.detail;
-    const [width, height] = [this.#size.width, this.#size.height].map((length) =>
-      Math.max(1, Math.round(length * ratio)),
-    );
-    if (this.#canvas.width !== width) this.#canvas.width = width;
-    if (this.#canvas.height !== height) this.#canvas.height = height;
-  }
-
   #draw(): void {
     const began = performance.now();
     const { figure, puppet } = this.#studio;
@@ -149,7 +140,7 @@ export class Stage {
     const shape = filmed ? film.shapes[frame] : this.#studio.shape;
     if (shape.length === body.picture.length && !this.blind) {
       const { looks } = this.#studio;
-      this.#resizeCanvas();
+      this.#detail.resize(width, height, this.#drags.size > 0 && !this.#painter.isFast);
       this.#painter.body(body);
       const ghosts = looks.onion
         ? [

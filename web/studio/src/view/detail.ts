@@ -1,0 +1,56 @@
+// How many pixels the stage draws. Where the processor draws, a picture costs what its pixels cost: as soon as
+// pictures of a drag come too seldom they have fewer, and all again when the hand rests.
+
+const slowMs = 28; // between pictures
+const pauseMs = 400; // after that a picture is no late one: nothing was to be drawn
+const restMs = 250;
+const parts = [1, 0.7, 0.5]; // of the length of a side
+const pictures = 6; // in a row, before there is another step
+
+export class Detail {
+  readonly #canvas: HTMLCanvasElement;
+  readonly #again: () => void;
+  #step = 0;
+  #last = 0;
+  #late: number[] = [];
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  #rests = false;
+
+  /** `again` draws once more. */
+  constructor(canvas: HTMLCanvasElement, again: () => void) {
+    this.#canvas = canvas;
+    this.#again = again;
+  }
+
+  /**
+   * For the picture that is drawn now, so that no empty canvas is seen between; in CSS pixels. `drags`: it
+   * may be coarser.
+   */
+  resize(width: number, height: number, drags: boolean, now = performance.now()): void {
+    let ratio = Math.min(2, devicePixelRatio);
+    if (drags && !this.#rests) ratio *= this.#part(now);
+    this.#rests = false;
+    const [w, h] = [width, height].map((length) => Math.max(1, Math.round(length * ratio)));
+    if (this.#canvas.width !== w) this.#canvas.width = w;
+    if (this.#canvas.height !== h) this.#canvas.height = h;
+  }
+
+  #part(now: number): number {
+    const since = now - this.#last;
+    this.#last = now;
+    if (since > pauseMs) this.#late = [];
+    else this.#late.push(since);
+    if (this.#late.length === pictures) {
+      const middle = [...this.#late].sort((a, b) => a - b)[pictures >> 1];
+      this.#late = [];
+      // What was too slow once is so for the rest of the visit: nobody wants it to flicker.
+      if (middle > slowMs) this.#step = Math.min(this.#step + 1, parts.length - 1);
+    }
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => {
+      this.#rests = this.#step > 0;
+      if (this.#rests) this.#again();
+    }, restMs);
+    return parts[this.#step];
+  }
+}
