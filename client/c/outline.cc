@@ -39,14 +39,17 @@ Result<std::vector<client::Outline>> OutlinesOf(const double* points, const std:
 extern "C" {
 
 arap_error* arap_mesh_outline(const arap_client* client, const double* points,
-                              const size_t* lengths, size_t outline_count, uint32_t vertices,
-                              const arap_call_options* call, arap_outline_mesh** out) {
+                              const size_t* lengths, size_t outline_count,
+                              const arap_outline_options* options, const arap_call_options* call,
+                              arap_outline_mesh** out) {
   return arap::c::Guard([&]() -> Status {
     CHECK_OK(Need(client, "client"));
     CHECK_OK(Need(out, "out"));
     TRY(const auto outlines, arap::c::OutlinesOf(points, lengths, outline_count));
+    TRY(const auto given, arap::c::OptionsOf(options, "options"));
     TRY(const auto calling, arap::c::CallOf(call));
-    TRY(auto made, client->client.MeshOutline(outlines, vertices, calling));
+    TRY(auto made, client->client.MeshOutline(
+                       outlines, {given.vertices, given.tolerance, given.expansion}, calling));
     *out = new arap_outline_mesh{std::move(made.triangles)};
     return {};
   });
@@ -68,6 +71,9 @@ size_t arap_outline_mesh_piece_count(const arap_outline_mesh* mesh) { return mes
 size_t arap_outline_mesh_hole_count(const arap_outline_mesh* mesh) { return mesh->made.holes; }
 double arap_outline_mesh_smallest_angle(const arap_outline_mesh* mesh) {
   return mesh->made.smallest_angle;
+}
+double arap_outline_mesh_outline_error(const arap_outline_mesh* mesh) {
+  return mesh->made.outline_error;
 }
 void arap_outline_mesh_free(arap_outline_mesh* mesh) { delete mesh; }
 

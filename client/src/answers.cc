@@ -278,9 +278,9 @@ Result<OutlineMesh> FromWire(const v1::MeshOutlineResponse& response) {
       return Bad("The server answered a triangle that does not run counter-clockwise.");
     }
   }
-  CHECK_OK(CheckNumbers({response.smallest_angle_degrees()}, "a mesh"));
+  CHECK_OK(CheckNumbers({response.smallest_angle_degrees(), response.outline_error()}, "a mesh"));
   return OutlineMesh{{*std::move(mesh), response.piece_count(), response.hole_count(),
-                      response.smallest_angle_degrees()},
+                      response.smallest_angle_degrees(), response.outline_error()},
                      convert::Micros(response.queue_time()),
                      convert::Micros(response.solve_time())};
 }

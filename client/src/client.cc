@@ -7,6 +7,7 @@
 #include "client/src/calls.h"
 #include "client/src/channel.h"
 #include "core/base/try.h"
+#include "proto/convert/mesh.h"
 #include "proto/convert/plain.h"
 
 namespace arap::client {
@@ -70,13 +71,14 @@ Result<SessionPage> Client::ListSessions(std::uint32_t page_size, const std::str
   return FromWire(response, page_size, page_token);
 }
 
-Result<OutlineMesh> Client::MeshOutline(std::span<const Outline> outlines, std::uint32_t vertices,
+Result<OutlineMesh> Client::MeshOutline(std::span<const Outline> outlines,
+                                        const OutlineOptions& options,
                                         const CallOptions& call) const {
   v1::MeshOutlineRequest request;
   for (const Outline& outline : outlines) {
     convert::AppendPoints(outline, request.add_outlines()->mutable_points());
   }
-  request.set_vertex_count(vertices);
+  convert::ToWire(options, &request);
   TRY(const v1::MeshOutlineResponse response,
       Call(channel_->deformation(), &Stub::MeshOutline, request, kWork, call));
   return FromWire(response);

@@ -16,13 +16,7 @@ std::size_t PointsOf(std::span<const Outline> outlines) {
   return points;
 }
 
-Status CheckAsked(std::span<const Outline> outlines, std::size_t vertices) {
-  if (vertices < 1 || vertices > kMaxAskedVertices) {
-    return Fail(Fault(FaultKind::kInvalidOption,
-                      fmt::format("A mesh of {} vertices was asked for: from 1 to {} can be made.",
-                                  vertices, kMaxAskedVertices))
-                    .Detail("limit", kMaxAskedVertices));
-  }
+Status CheckOutlines(std::span<const Outline> outlines) {
   for (std::size_t i = 0; i < outlines.size(); ++i) {
     const auto id = static_cast<std::uint32_t>(i);
     if (outlines[i].size() < 3) {
@@ -50,6 +44,16 @@ Status CheckAsked(std::span<const Outline> outlines, std::size_t vertices) {
   return {};
 }
 
+Status CheckAsked(std::span<const Outline> outlines, std::size_t vertices) {
+  if (vertices < 1 || vertices > kMaxAskedVertices) {
+    return Fail(Fault(FaultKind::kInvalidOption,
+                      fmt::format("A mesh of {} vertices was asked for: from 1 to {} can be made.",
+                                  vertices, kMaxAskedVertices))
+                    .Detail("limit", kMaxAskedVertices));
+  }
+  return CheckOutlines(outlines);
+}
+
 Complex OriginOf(std::span<const Outline> outlines) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   std::array<double, 2> low{kInfinite, kInfinite}, high{-kInfinite, -kInfinite}, origin{};
@@ -66,6 +70,14 @@ Complex OriginOf(std::span<const Outline> outlines) {
     if (low[k] > kFar * size || high[k] < -kFar * size) origin[k] = low[k];
   }
   return {origin[0], origin[1]};
+}
+
+std::vector<Outline> CountedFrom(Complex origin, std::span<const Outline> outlines) {
+  std::vector<Outline> moved(outlines.begin(), outlines.end());
+  for (Outline& outline : moved) {
+    for (Complex& p : outline) p -= origin;
+  }
+  return moved;
 }
 
 MeshingCost EstimateMeshing(std::size_t points, std::size_t vertices, std::size_t most) {

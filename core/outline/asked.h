@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "arap/base/result.h"
 #include "arap/model/outline.h"
@@ -17,13 +18,15 @@ inline constexpr std::size_t kMaxMeshVertices = 1'500'000;
 // Of all outlines together.
 std::size_t PointsOf(std::span<const Outline> outlines);
 
-// The faults of MeshOutlines that show before the work.
+// The faults of MeshOutlines that show before the work: those of outlines, and of the vertices too.
+Status CheckOutlines(std::span<const Outline> outlines);
 Status CheckAsked(std::span<const Outline> outlines, std::size_t vertices);
 
 // 0, or where outlines (finite) are far from it for their size, a corner of their box: counted from
 // there they keep all their digits. The differences are exact, since no coordinate is then twice
 // another one.
 Complex OriginOf(std::span<const Outline> outlines);
+std::vector<Outline> CountedFrom(Complex origin, std::span<const Outline> outlines);
 
 // What a mesh takes at most in outlines of so many points in all, but where they are narrow.
 struct MeshingCost {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "arap/base/cancel.h"
 #include "arap/base/result.h"
 #include "arap/model/outline.h"
 #include "core/outline/coverage.h"
@@ -22,10 +23,16 @@ double SignedArea(const Outline& outline);
 // kLimitExceeded beyond kMaxOutlinePoints.
 Result<std::vector<Outline>> TraceOutlines(const Coverage& coverage);
 
+// Of processor time, for a point.
+inline constexpr double kSecondsToSimplify = 30e-6;
+
 // The same outlines with fewer points, all of them points of the given ones: no point of an outline
-// is further than `tolerance` from what is made of it, nor the other way round, and none crosses
-// itself or another that did not before. Needs finite coordinates. About n log n: 10 µs for a
-// point, and half a kilobyte.
-Result<std::vector<Outline>> SimplifyOutlines(std::span<const Outline> outlines, double tolerance);
+// is further than `tolerance` from what is made of it, nor the other way round, and none crosses or
+// touches itself or another. Needs finite coordinates and three points in each. About n log n, and
+// half a kilobyte for a point. kInvalidOption: outlines that cross or touch. kLimitExceeded: outlines
+// that are wound into one another so often that it takes too long. kNumerical: so close to one
+// another that rounding spoils it. Those of `cancel`, which is asked every few milliseconds.
+Result<std::vector<Outline>> SimplifyOutlines(std::span<const Outline> outlines, double tolerance,
+                                              const CancelToken& cancel = {});
 
 }  // namespace arap

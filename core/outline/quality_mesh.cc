@@ -1,11 +1,10 @@
-// CGAL is here and in simplify.cc only: its templates take long to compile.
+// CGAL is here, in simplify.cc and in insert.h for the two only: its templates take long to compile.
 #include "core/outline/quality_mesh.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -16,16 +15,13 @@
 #include <CGAL/Delaunay_mesh_vertex_base_2.h>
 #include <CGAL/Delaunay_mesher_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Spatial_sort_traits_adapter_2.h>
 #include <CGAL/exceptions.h>
-#include <CGAL/property_map.h>
-#include <CGAL/spatial_sort.h>
 #include <fmt/format.h>
 
-#include "core/base/cpu_timer.h"
 #include "core/base/plane.h"
 #include "core/base/try.h"
 #include "core/outline/asked.h"
+#include "core/outline/insert.h"
 #include "core/outline/smooth.h"
 
 namespace arap {
@@ -57,95 +53,6 @@ struct Region {
   Point seed;
   double area = 0;
 };
-
-// Whether to go on.
-class Watch {
- public:
-  Watch(const CancelToken& cancel, double seconds) : cancel_(cancel), most_seconds_(seconds) {}
-
-  // To be asked at every small step.
-  Status Check() {
-    constexpr std::size_t kSteps = 64;
-    if (++steps_ % kSteps != 0) return {};
-    CHECK_OK(cancel_.Check());
-    seconds_ += 1e-3 * timer_.Lap();
-    if (seconds_ <= most_seconds_) return {};
-    return Fail(FaultKind::kLimitExceeded,
-                "The outlines are wound into one another so often that meshing them takes more "
-                "than twenty times what so many points take otherwise.");
-  }
-
- private:
-  const CancelToken& cancel_;
-  const double most_seconds_;
-  CpuTimer timer_;
-  double seconds_ = 0;
-  std::size_t steps_ = 0;
-};
-
-// The vertices of all points, outline by outline.
-std::vector<Delaunay::Vertex_handle> InsertPoints(std::span<const Outline> outlines,
-                                                  Delaunay& delaunay) {
-  std::vector<Point> points;
-  for (const Outline& outline : outlines) {
-    for (const Complex p : outline) points.push_back(ToPoint(p));
-  }
-  std::vector<std::size_t> order(points.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto places = CGAL::make_property_map(points);
-  CGAL::spatial_sort(order.begin(), order.end(),
-                     CGAL::Spatial_sort_traits_adapter_2<Kernel, decltype(places)>(places));
-  std::vector<Delaunay::Vertex_handle> vertices(points.size());
-  Delaunay::Face_handle near;
-  for (const std::size_t i : order) {
-    vertices[i] = delaunay.insert(points[i], near);
-    near = vertices[i]->face();
-  }
-  return vertices;
-}
-
-// The outlines as edges that stay. kInvalidOption when they are no borders of a region. `origin` is
-// where their 0 is, for the sentence.
-Status Insert(std::span<const Outline> outlines, Complex origin, Watch& watch, Delaunay& delaunay) {
-  const auto vertices = InsertPoints(outlines, delaunay);
-  std::size_t begin = 0;
-  try {
-    for (const Outline& outline : outlines) {
-      Delaunay::Vertex_handle before = vertices[begin + outline.size() - 1];
-      for (std::size_t i = begin; i < begin + outline.size(); ++i) {
-        CHECK_OK(watch.Check());
-        if (vertices[i] != before) delaunay.insert_constraint(before, vertices[i]);
-        before = vertices[i];
-      }
-      begin += outline.size();
-    }
-  } catch (const Delaunay::Intersection_of_constraints_exception&) {
-    return Fail(FaultKind::kInvalidOption, "The outlines cross one another or themselves.");
-  }
-  // Each vertex has two lines, and each line was given once.
-  std::unordered_map<Delaunay::Vertex_handle, int> lines;
-  std::size_t count = 0;
-  for (auto edge = delaunay.finite_edges_begin(); edge != delaunay.finite_edges_end(); ++edge) {
-    if (!delaunay.is_constrained(*edge)) continue;
-    ++count;
-    ++lines[edge->first->vertex(Delaunay::cw(edge->second))];
-    ++lines[edge->first->vertex(Delaunay::ccw(edge->second))];
-  }
-  begin = 0;
-  for (const Outline& outline : outlines) {
-    for (std::size_t i = begin; i < begin + outline.size(); ++i) {
-      const std::size_t next = i + 1 == begin + outline.size() ? begin : i + 1;
-      if (vertices[i] == vertices[next]) continue;
-      if (lines[vertices[i]] == 2 && count-- > 0) continue;
-      const Complex p = origin + outline[i - begin];
-      return Fail(FaultKind::kInvalidOption,
-                  fmt::format("The outlines touch one another or themselves at ({:g}, {:g}).",
-                              p.real(), p.imag()));
-    }
-    begin += outline.size();
-  }
-  return {};
-}
 
 // What lies within an odd number of outlines, piece by piece.
 std::vector<Region> RegionsOf(const Delaunay& delaunay) {
@@ -341,14 +248,6 @@ Result<QualityMesh> Finish(Draft draft, Complex origin, std::size_t pieces) {
   return result;
 }
 
-std::vector<Outline> Moved(std::span<const Outline> outlines, Complex origin) {
-  std::vector<Outline> moved(outlines.begin(), outlines.end());
-  for (Outline& outline : moved) {
-    for (Complex& p : outline) p -= origin;
-  }
-  return moved;
-}
-
 // MeshOutlines for outlines that were checked and are counted from `origin`. CGAL may throw.
 Result<QualityMesh> Mesh(std::span<const Outline> outlines, Complex origin, std::size_t vertices,
                          std::size_t most, const CancelToken& cancel) {
@@ -359,7 +258,7 @@ Result<QualityMesh> Mesh(std::span<const Outline> outlines, Complex origin, std:
   Watch watch(cancel, 5 + 20 * EstimateMeshing(points, vertices, most).seconds);
 
   Delaunay delaunay;
-  CHECK_OK(Insert(outlines, origin, watch, delaunay));
+  CHECK_OK(InsertOutlines(outlines, origin, watch, delaunay));
   const std::vector<Region> regions =
       delaunay.dimension() < 2 ? std::vector<Region>() : RegionsOf(delaunay);
   if (regions.empty()) return Fail(FaultKind::kEmptyMesh, "The outlines have nothing inside.");
@@ -384,7 +283,7 @@ Result<QualityMesh> MeshOutlines(std::span<const Outline> outlines, std::size_t 
   try {
     const Complex origin = OriginOf(outlines);
     if (origin == Complex(0)) return Mesh(outlines, origin, vertices, most, cancel);
-    return Mesh(Moved(outlines, origin), origin, vertices, most, cancel);
+    return Mesh(CountedFrom(origin, outlines), origin, vertices, most, cancel);
   } catch (const CGAL::Failure_exception&) {
     return Fail(FaultKind::kNumerical,
                 "Outlines this close to one another, or this small for how far they are from 0, "

@@ -94,11 +94,22 @@ void ToWire(const std::vector<Outline>& outlines,
   }
 }
 
+OutlineOptions OptionsFromWire(const v1::MeshOutlineRequest& request) {
+  return {request.vertex_count(), request.tolerance(), request.expansion()};
+}
+
+void ToWire(const OutlineOptions& options, v1::MeshOutlineRequest* out) {
+  out->set_vertex_count(options.vertices);
+  out->set_tolerance(options.tolerance);
+  out->set_expansion(options.expansion);
+}
+
 void ToWire(const QualityMesh& mesh, v1::MeshOutlineResponse* out) {
   ToWire(mesh.mesh, out->mutable_mesh());
   out->set_piece_count(static_cast<std::uint32_t>(mesh.pieces));
   out->set_hole_count(static_cast<std::uint32_t>(mesh.holes));
   out->set_smallest_angle_degrees(mesh.smallest_angle);
+  out->set_outline_error(mesh.outline_error);
 }
 
 Result<EnergyOptions> FromWire(const v1::EnergyOptions& energy, EnergyOptions defaults) {

@@ -18,6 +18,7 @@ class RepeatedPtrField;
 namespace arap::v1 {
 class EnergyOptions;
 class MeshInfo;
+class MeshOutlineRequest;
 class MeshOutlineResponse;
 class Outline;
 class PlanarMesh;
@@ -39,6 +40,9 @@ Result<std::vector<Outline>> FromWire(
     const google::protobuf::RepeatedPtrField<v1::Outline>& outlines, std::size_t max_points);
 void ToWire(const std::vector<Outline>& outlines,
             google::protobuf::RepeatedPtrField<v1::Outline>* out);
+// Numbers are for the core to judge.
+OutlineOptions OptionsFromWire(const v1::MeshOutlineRequest& request);
+void ToWire(const OutlineOptions& options, v1::MeshOutlineRequest* out);
 void ToWire(const QualityMesh& mesh, v1::MeshOutlineResponse* out);
 
 // `defaults` stands for what is not specified. kInvalidOption for a value that this version does

@@ -7,6 +7,7 @@
 #include "arap/core/cost.h"
 #include "core/base/try.h"
 #include "proto/convert/deform.h"
+#include "proto/convert/mesh.h"
 #include "server/access/caller.h"
 #include "server/budget/faults.h"
 #include "server/rpc/convert.h"
@@ -93,21 +94,12 @@ Status RegisterMesh(app::Engine& engine, const v1::RegisterMeshRequest& request,
   return {};
 }
 
-namespace {
-
-std::size_t VerticesAsked(const v1::MeshOutlineRequest& request) {
-  constexpr std::size_t kDefault = 1000;
-  return request.vertex_count() == 0 ? kDefault : request.vertex_count();
-}
-
-}  // namespace
-
 Status MeshOutline(app::Engine& engine, const v1::MeshOutlineRequest& request, const Call& call,
                    v1::MeshOutlineResponse* response) {
   const runtime::WallTimer working;
   TRY(const auto outlines, FromWire(request.outlines(), engine.limits.max_vertices));
-  TRY(const auto mesh,
-      app::MeshOutlines(engine, call.caller, outlines, VerticesAsked(request), call.cancel));
+  TRY(const auto mesh, app::MeshOutlines(engine, call.caller, outlines,
+                                         convert::OptionsFromWire(request), call.cancel));
   ToWire(mesh, response);
   SetTimes(call, working, response);
   return {};
@@ -228,7 +220,7 @@ Expected ExpectOutline(app::Engine&, const app::Session*, const v1::MeshOutlineR
   for (const v1::Outline& outline : request.outlines()) {
     points += static_cast<std::size_t>(outline.points_size()) / 2;
   }
-  return {false, app::ExpectMeshing(points, VerticesAsked(request))};
+  return {false, app::ExpectMeshing(points, convert::OptionsFromWire(request))};
 }
 
 Expected ExpectMesh(app::Engine& engine, const app::Session* session,

@@ -12,6 +12,7 @@
 #include "core/base/names.h"
 #include "core/base/try.h"
 #include "core/outline/quality_mesh.h"
+#include "core/outline/shape.h"
 #include "core/token/digest.h"
 #include "server/budget/faults.h"
 #include "server/runtime/clock.h"
@@ -181,32 +182,56 @@ Result<Registration> RegisterMesh(Workshop& workshop, const Caller& caller,
 
 namespace {
 
+std::size_t VerticesOf(const OutlineOptions& options) {
+  constexpr std::size_t kDefault = 1000;
+  return options.vertices == 0 ? kDefault : options.vertices;
+}
+
 // What a mesh inside outlines may have: enough for all that is not meant to be slow.
 std::size_t MostVertices(std::size_t points, std::size_t vertices) {
   return 4 * (points + vertices) + 1000;
 }
 
+Fault InOutlines(Fault fault) {
+  if (fault.field.empty()) fault.Field("outlines");
+  return fault;
+}
+
+Result<ShapedOutlines> Shape(Workshop& workshop, const Caller& caller,
+                             const std::vector<Outline>& outlines, const OutlineOptions& options,
+                             const CancelToken& cancel) {
+  // Before memory is taken: what is asked amiss stays so however much room there is.
+  CHECK_OK(CheckShaping(outlines, options));
+  TRY(const auto room,
+      workshop.derived.Reserve(caller, EstimateShaping(PointsOf(outlines), options).bytes));
+  return ShapeOutlines(outlines, options, cancel);
+}
+
 }  // namespace
 
 Result<QualityMesh> MeshOutlines(Workshop& workshop, const Caller& caller,
-                                 const std::vector<Outline>& outlines, std::size_t vertices,
-                                 const CancelToken& cancel) {
-  const std::size_t limit = workshop.limits.max_vertices;
+                                 const std::vector<Outline>& outlines,
+                                 const OutlineOptions& options, const CancelToken& cancel) {
+  const std::size_t limit = workshop.limits.max_vertices, vertices = VerticesOf(options);
   if (vertices > limit) {
     return Fail(TooLarge("vertex_count", "max_vertices", vertices, limit).Field("vertex_count"));
   }
-  std::size_t points = 0;
-  for (const Outline& outline : outlines) points += outline.size();
+  const auto shaped = Shape(workshop, caller, outlines, options, cancel);
+  if (!shaped) return Fail(InOutlines(shaped.error()));
+  const std::size_t points = PointsOf(shaped->outlines);
   const std::size_t most = std::min(limit, MostVertices(points, vertices));
   TRY(const auto room,
       workshop.derived.Reserve(caller, EstimateMeshing(points, vertices, most).bytes));
-  auto mesh = arap::MeshOutlines(outlines, vertices, most, cancel);
-  if (!mesh) return Fail(std::move(mesh.error()).Field("outlines"));
+  auto mesh = arap::MeshOutlines(shaped->outlines, vertices, most, cancel);
+  if (!mesh) return Fail(InOutlines(std::move(mesh.error())));
+  mesh->outline_error = shaped->error;
   return mesh;
 }
 
-double ExpectMeshing(std::size_t points, std::size_t vertices) {
-  return EstimateMeshing(points, vertices, MostVertices(points, vertices)).seconds;
+double ExpectMeshing(std::size_t points, const OutlineOptions& options) {
+  const std::size_t vertices = VerticesOf(options);
+  return EstimateShaping(points, options).seconds +
+         EstimateMeshing(points, vertices, MostVertices(points, vertices)).seconds;
 }
 
 Result<MeshEntry> WarmMesh(Workshop& workshop, const Caller& caller, const Session& session,

@@ -43,15 +43,16 @@ Result<Registration> RegisterMesh(Workshop& workshop, const Caller& caller,
                                   PlanarMesh mesh, const EnergyOptions& options,
                                   const CancelToken& cancel, const RepairOptions& repairs = {});
 
-// Triangles inside outlines (core/outline/quality_mesh.h), in memory that is reserved for the
-// caller: about `vertices`, and no more than a few times as many as that and the outlines have
-// points. Takes about ExpectMeshing seconds: for the job lane. Faults: those of arap::MeshOutlines
-// with the field, kInvalidOption for `vertices`, kLimitExceeded when the memory is not to be had.
+// Triangles inside outlines (core/outline/shape.h, quality_mesh.h), in memory that is reserved for
+// the caller: about as many vertices as are asked for, and no more than a few times as many as that
+// and the outlines have points. Takes about ExpectMeshing seconds: for the job lane. Faults: those
+// of arap::ShapeOutlines and arap::MeshOutlines with the field, kInvalidOption for the vertices,
+// kLimitExceeded when the memory is not to be had.
 Result<QualityMesh> MeshOutlines(Workshop& workshop, const Caller& caller,
-                                 const std::vector<Outline>& outlines, std::size_t vertices,
-                                 const CancelToken& cancel);
+                                 const std::vector<Outline>& outlines,
+                                 const OutlineOptions& options, const CancelToken& cancel);
 // Of outlines of so many points.
-double ExpectMeshing(std::size_t points, std::size_t vertices);
+double ExpectMeshing(std::size_t points, const OutlineOptions& options);
 
 // The entry. When it is not warm this takes as long as the registration: for the job lane. Faults:
 // kNotFound; kDataLoss for a blob that is missing or damaged; kLimitExceeded when the memory is not

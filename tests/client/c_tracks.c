@@ -159,7 +159,9 @@ const char* COutlines(const char* address) {
   const double points[] = {0, 0, 4, 0, 4, 4, 0, 4, 1, 1, 3, 1, 3, 3, 1, 3};
   const size_t lengths[] = {4, 4};
   arap_outline_mesh* made = NULL;
-  WELL(arap_mesh_outline(client, points, lengths, 2, 100, NULL, &made));
+  arap_outline_options options = ARAP_OPTIONS(arap_outline_options);
+  options.vertices = 100;
+  WELL(arap_mesh_outline(client, points, lengths, 2, &options, NULL, &made));
   const size_t vertices = arap_outline_mesh_vertex_count(made);
   const size_t triangles = arap_outline_mesh_triangle_count(made);
   MUST(vertices > 50 && vertices < 200 && triangles > 50);
@@ -170,20 +172,38 @@ const char* COutlines(const char* address) {
   WELL(arap_register_mesh(session, NULL, arap_outline_mesh_vertices(made), vertices,
                           arap_outline_mesh_triangles(made), triangles, NULL, NULL, &mesh));
   MUST(Near(arap_mesh_area(mesh), 12));
+  MUST(arap_outline_mesh_outline_error(made) == 0);
   arap_mesh_free(mesh);
+  arap_outline_mesh_free(made);
+  made = NULL;
+  /* The hole closes when all of it is as near as that. */
+  options.expansion = 1.5;
+  options.tolerance = 0.1;
+  WELL(arap_mesh_outline(client, points, lengths, 2, &options, NULL, &made));
+  MUST(arap_outline_mesh_piece_count(made) == 1 && arap_outline_mesh_hole_count(made) == 0);
+  MUST(arap_outline_mesh_outline_error(made) > 0 && arap_outline_mesh_outline_error(made) < 0.2);
   arap_outline_mesh_free(made);
   made = NULL;
 
   const size_t two[] = {2};
-  REFUSED(arap_mesh_outline(client, points, two, 1, 0, NULL, &made), "INVALID_OPTION",
+  REFUSED(arap_mesh_outline(client, points, two, 1, NULL, NULL, &made), "INVALID_OPTION",
           "outlines");
-  REFUSED(arap_mesh_outline(client, NULL, lengths, 2, 0, NULL, &made), "INVALID_OPTION", "points");
-  REFUSED(arap_mesh_outline(client, points, NULL, 2, 0, NULL, &made), "INVALID_OPTION", "lengths");
-  const size_t endless[] = {4, SIZE_MAX - 3};
-  REFUSED(arap_mesh_outline(client, points, endless, 2, 0, NULL, &made), "INVALID_OPTION",
+  options.expansion = -1;
+  REFUSED(arap_mesh_outline(client, points, lengths, 2, &options, NULL, &made), "INVALID_OPTION",
+          "expansion");
+  options.size = 0;
+  REFUSED(arap_mesh_outline(client, points, lengths, 2, &options, NULL, &made), "INVALID_OPTION",
+          "options.size");
+  REFUSED(arap_mesh_outline(client, NULL, lengths, 2, NULL, NULL, &made), "INVALID_OPTION",
+          "points");
+  REFUSED(arap_mesh_outline(client, points, NULL, 2, NULL, NULL, &made), "INVALID_OPTION",
           "lengths");
-  REFUSED(arap_mesh_outline(NULL, points, lengths, 2, 0, NULL, &made), "INVALID_OPTION", "client");
-  REFUSED(arap_mesh_outline(client, points, lengths, 2, 0, NULL, NULL), "INVALID_OPTION", "out");
+  const size_t endless[] = {4, SIZE_MAX - 3};
+  REFUSED(arap_mesh_outline(client, points, endless, 2, NULL, NULL, &made), "INVALID_OPTION",
+          "lengths");
+  REFUSED(arap_mesh_outline(NULL, points, lengths, 2, NULL, NULL, &made), "INVALID_OPTION",
+          "client");
+  REFUSED(arap_mesh_outline(client, points, lengths, 2, NULL, NULL, NULL), "INVALID_OPTION", "out");
   MUST(made == NULL);
   WELL(arap_delete_session(session, NULL));
   arap_session_free(session);

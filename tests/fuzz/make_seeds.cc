@@ -175,12 +175,15 @@ void PutOutlines(const Seeds& seeds) {
     return Points{x, y, x + side, y, x + side, y + side, x, y + side};
   };
   const auto put = [&](const char* name, std::uint32_t vertices,
-                       const std::vector<Points>& outlines) {
+                       const std::vector<Points>& outlines, double tolerance = 0,
+                       double expansion = 0) {
     v1::MeshOutlineRequest request;
     for (const Points& points : outlines) {
       request.add_outlines()->mutable_points()->Assign(points.begin(), points.end());
     }
     request.set_vertex_count(vertices);
+    request.set_tolerance(tolerance);
+    request.set_expansion(expansion);
     seeds.Put("mesh", std::string("outline_") + name, Call(5, request));
   };
   put("plain", 20, {square(0, 0, 8)});
@@ -189,6 +192,9 @@ void PutOutlines(const Seeds& seeds) {
   put("touching", 20, {square(0, 0, 2), square(2, 2, 2)});
   put("crossing", 20, {{0, 0, 4, 4, 4, 0, 0, 4}});
   put("far", 20, {square(1e15, -1e15, -1)});
+  put("simplified", 20, {{0, 0, 4, 0.01, 8, 0, 8, 8, 0, 8}}, 0.1);
+  put("grown", 30, {square(0, 0, 8), square(2, 2, 4), square(9, 0, 2)}, 0.1, 0.75);
+  put("grown_to_touch", 30, {square(0, 0, 2), square(4, 0, 2)}, 0, 1);
 }
 
 void PutStreams(const Seeds& seeds) {

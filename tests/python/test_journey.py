@@ -144,7 +144,13 @@ def test_outlines_become_a_mesh(client, session):
     mesh = client.mesh_outline([square, square / 2 + 2.5], 200)
     assert (mesh.piece_count, mesh.hole_count) == (1, 1)
     assert mesh.smallest_angle_degrees >= 20
+    assert mesh.outline_error == 0
     assert session.register_mesh(mesh.vertices, mesh.triangles).mesh.area == pytest.approx(75)
+    grown = client.mesh_outline([square, square / 2 + 2.5], tolerance=0.1, expansion=3)
+    assert (grown.piece_count, grown.hole_count) == (1, 0)
+    assert 0 < grown.outline_error < 0.2
+    area = session.register_mesh(grown.vertices, grown.triangles).mesh.area
+    assert area == pytest.approx(100 + 4 * 10 * 3 + np.pi * 9, rel=0.02)
 
 
 def test_sessions(client):

@@ -159,7 +159,7 @@ def outline_mesh(message: Any) -> model.OutlineMesh:
     twice = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
     if not (twice > 0).all():
         refuse("a triangle that does not run counter-clockwise.")
-    check.finite((message.smallest_angle_degrees,), "a mesh")
+    check.finite((message.smallest_angle_degrees, message.outline_error), "a mesh")
     return model.OutlineMesh(vertices, triangles, message.piece_count, message.hole_count,
-                             message.smallest_angle_degrees, seconds(message.queue_time),
-                             seconds(message.solve_time))
+                             message.smallest_angle_degrees, message.outline_error,
+                             seconds(message.queue_time), seconds(message.solve_time))

@@ -69,10 +69,15 @@ class ClientMethods:
         return program()
 
     @_ways.call
-    def mesh_outline(self, /, outlines: Sequence[Any], vertices: int = 0,
+    def mesh_outline(self, /, outlines: Sequence[Any], vertices: int = 0, *,
+                     tolerance: float = 0, expansion: float = 0,
                      **call: Any) -> Program[model.OutlineMesh]:
-        """Triangles inside outlines, each n×2: an OutlineMesh of about so many vertices (0: 1000)."""
-        request = message("MeshOutlineRequest")(vertex_count=vertices)
+        """Triangles inside outlines, each n×2: an OutlineMesh of about so many vertices (0: 1000).
+
+        The outlines are simplified by at most `tolerance` and grow outwards by `expansion` before.
+        """
+        request = message("MeshOutlineRequest")(vertex_count=vertices, tolerance=tolerance,
+                                                expansion=expansion)
         for outline in outlines:
             request.outlines.add().points = _wire.packed(
                 _requests.point_array(outline, 2, "an outline"))

@@ -108,6 +108,7 @@ class OutlineMesh:
     piece_count: int
     hole_count: int
     smallest_angle_degrees: float
+    outline_error: float  # how far its border is at most from what was asked for
     queue_seconds: float
     solve_seconds: float
 

@@ -1,4 +1,4 @@
-// Coverages for tests.
+// Coverages and outlines for tests.
 #pragma once
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/outline/coverage.h"
+#include "core/outline/outline.h"
 
 namespace arap::testing {
 
@@ -52,6 +53,17 @@ inline Coverage Noise(std::size_t width, std::size_t height, double density, uns
 inline std::size_t CountInside(const Coverage& coverage) {
   return static_cast<std::size_t>(std::count_if(coverage.values.begin(), coverage.values.end(),
                                                 [](auto value) { return value >= kInside; }));
+}
+
+inline Outline Box(double left, double bottom, double right, double top) {
+  return {{left, bottom}, {right, bottom}, {right, top}, {left, top}};
+}
+
+// Of pieces less holes, as they run.
+inline double AreaOf(const std::vector<Outline>& outlines) {
+  double area = 0;
+  for (const Outline& outline : outlines) area += SignedArea(outline);
+  return area;
 }
 
 }  // namespace arap::testing

@@ -11,9 +11,13 @@
 #include "core/base/plane.h"
 #include "core/outline/outline.h"
 #include "core/outline/smooth.h"
+#include "tests/core/outline/drawn.h"
 
 namespace arap {
 namespace {
+
+using testing::AreaOf;
+using testing::Box;
 
 Outline Circle(Complex middle, double radius, int points) {
   Outline outline;
@@ -26,10 +30,6 @@ Outline Circle(Complex middle, double radius, int points) {
 Outline Backwards(Outline outline) {
   std::reverse(outline.begin(), outline.end());
   return outline;
-}
-
-Outline Box(double left, double bottom, double right, double top) {
-  return {{left, bottom}, {right, bottom}, {right, top}, {left, top}};
 }
 
 // The mesh is as the header says: no angle below `least`, every edge in one direction once, the
@@ -58,12 +58,6 @@ void ExpectSound(const QualityMesh& result, double area, std::size_t pieces, std
   EXPECT_EQ(smallest, result.smallest_angle);
   EXPECT_NEAR(sum, area, 1e-7 * area);
   EXPECT_EQ(mesh.vertices.size() + mesh.triangles.size() + holes, edges.size() + pieces);
-}
-
-double AreaOf(const std::vector<Outline>& outlines) {
-  double area = 0;
-  for (const Outline& outline : outlines) area += SignedArea(outline);
-  return area;
 }
 
 TEST(MeshOutlines, HasAboutAsManyVerticesAsWereAskedFor) {

@@ -11,16 +11,11 @@
 namespace arap {
 namespace {
 
+using testing::AreaOf;
 using testing::CountInside;
 using testing::Drawn;
 using testing::Noise;
 using testing::Rows;
-
-double TotalArea(const std::vector<Outline>& outlines) {
-  double area = 0;
-  for (const Outline& outline : outlines) area += SignedArea(outline);
-  return area;
-}
 
 double FromSegment(Complex p, Complex a, Complex b) {
   const double along = std::clamp(Dot(p - a, b - a) / std::norm(b - a), 0.0, 1.0);
@@ -126,7 +121,7 @@ TEST(TraceOutlines, HaveTheAreaOfThePixelsAndNeverTouch) {
         EXPECT_TRUE(points.emplace(p.real(), p.imag()).second) << p;
       }
     }
-    EXPECT_DOUBLE_EQ(TotalArea(*outlines), static_cast<double>(CountInside(coverage)) - corners);
+    EXPECT_DOUBLE_EQ(AreaOf(*outlines), static_cast<double>(CountInside(coverage)) - corners);
     EXPECT_FALSE(AnyMeet(*outlines)) << density;
   }
 }

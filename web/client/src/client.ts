@@ -10,7 +10,7 @@ import type { FlatSurface, FlattenOptions } from "./flatten.js";
 import type { LimitsAnswer } from "./gen/arap/v1/Limits.js";
 import type { DurationAnswer } from "./gen/google/protobuf/Duration.js";
 import { outlineMeshOf } from "./mesh.js";
-import type { OutlineMesh, SurfaceMesh } from "./mesh.js";
+import type { OutlineMesh, OutlineOptions, SurfaceMesh } from "./mesh.js";
 import type { Numbers } from "./runs.js";
 import { Session, sessionInfoOf } from "./session.js";
 import type { SessionInfo } from "./session.js";
@@ -145,18 +145,21 @@ export class Client {
 
   /**
    * Triangles inside outlines (each x y x y…, at least 3 points): a mesh to register, with about so
-   * many vertices (0: 1000).
+   * many vertices (0: 1000). The outlines may be simplified or grow before.
    */
   async meshOutline(
     outlines: readonly Numbers[],
-    vertices = 0,
+    options: number | OutlineOptions = 0,
     call: CallOptions = {},
   ): Promise<OutlineMesh> {
+    const asked = typeof options === "number" ? { vertices: options } : options;
     const request = {
       outlines: outlines.map((points, i) => ({
         points: numberRun(points, `outlines[${i}].points`),
       })),
-      vertexCount: index(vertices, "vertex_count"),
+      vertexCount: index(asked.vertices ?? 0, "vertex_count"),
+      tolerance: asked.tolerance ?? 0,
+      expansion: asked.expansion ?? 0,
     };
     return outlineMeshOf(await ask(this.#channel, deformation.MeshOutline, request, work, call));
   }

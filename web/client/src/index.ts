@@ -31,6 +31,7 @@ export type {
   EnergyOptions,
   MeshInfo,
   OutlineMesh,
+  OutlineOptions,
   PlanarMesh,
   Registration,
   RepairOptions,

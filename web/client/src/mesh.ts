@@ -109,12 +109,24 @@ export interface Registration {
   solveMicros: number;
 }
 
+/** What becomes of outlines before they are filled. Lengths are in the unit of the outlines. */
+export interface OutlineOptions {
+  /** About so many. Default 1000. */
+  vertices?: number;
+  /** By how much they may be simplified. Default 0: every point is kept. */
+  tolerance?: number;
+  /** By how much they grow outwards. Default 0. */
+  expansion?: number;
+}
+
 /** The answer to meshOutline: a mesh to register. Times in microseconds. */
 export interface OutlineMesh {
   mesh: { vertices: Float64Array; triangles: Uint32Array };
   pieceCount: number;
   holeCount: number;
   smallestAngleDegrees: number;
+  /** How far its border is at most from that of what was asked for. */
+  outlineError: number;
   queueMicros: number;
   solveMicros: number;
 }
@@ -188,12 +200,13 @@ export function outlineMeshOf(answer: MeshOutlineResponseAnswer): OutlineMesh {
   }
   checkFinite(vertices, 2, "the vertex");
   checkIndices(triangles, vertices.length / 2, "vertex");
-  checkNumbers([answer.smallestAngleDegrees], "a mesh");
+  checkNumbers([answer.smallestAngleDegrees, answer.outlineError], "a mesh");
   return {
     mesh: { vertices, triangles },
     pieceCount: answer.pieceCount,
     holeCount: answer.holeCount,
     smallestAngleDegrees: answer.smallestAngleDegrees,
+    outlineError: answer.outlineError,
     queueMicros: microseconds(answer.queueTime),
     solveMicros: microseconds(answer.solveTime),
   };

@@ -215,6 +215,18 @@ test("outlines become a mesh that can be registered", { timeout }, () =>
     const session = await client.createSession();
     const registered = await session.registerMesh(outline.mesh);
     assert.ok(Math.abs(registered.mesh.area - 96) < 1e-9);
+    assert.equal(outline.outlineError, 0);
+    // The hole closes.
+    const grown = await client.meshOutline(
+      [
+        [0, 0, 10, 0, 10, 10, 0, 10],
+        [4, 4, 6, 4, 6, 6, 4, 6],
+      ],
+      { vertices: 100, tolerance: 0.1, expansion: 1.5 },
+    );
+    assert.equal(grown.holeCount, 0);
+    assert.ok(grown.outlineError > 0 && grown.outlineError < 0.2);
+    assert.ok(Math.abs(Math.min(...grown.mesh.vertices) + 1.5) < 0.2);
   }),
 );
 

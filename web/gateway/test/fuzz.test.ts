@@ -83,6 +83,8 @@ test("bodies of every route", { timeout }, () =>
               [2, 2, 2, 4, 4, 4],
             ],
             vertices: 50,
+            tolerance: 0.1,
+            expansion: 0.5,
           },
         ],
         ["POST", "/v1/sessions", { ttlSeconds: 60, labels: { a: "b" } }],

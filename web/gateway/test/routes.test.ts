@@ -147,6 +147,12 @@ test("outlines filled with triangles", { timeout }, () =>
     const { mesh, holeCount } = await client.meshOutline(outlines, 200);
     assert.deepEqual(filled.mesh, plain(mesh));
     assert.equal(filled.holeCount, holeCount);
+    assert.equal(filled.outlineError, 0);
+    const options = { vertices: 200, tolerance: 0.1, expansion: 2 };
+    const grown = await json(`${url}/v1/outlines`, { body: { outlines, ...options } });
+    document.check("POST", "/v1/outlines", 200, grown);
+    assert.deepEqual(grown.mesh, plain((await client.meshOutline(outlines, options)).mesh));
+    assert.equal(grown.holeCount, 0);
   }),
 );
 

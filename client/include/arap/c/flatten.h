@@ -15,13 +15,21 @@ extern "C" {
 
 typedef struct arap_outline_mesh arap_outline_mesh;
 
-// Well-shaped triangles inside closed curves: a mesh to register, with about so many vertices (0:
-// 1000). `points` has the curves one after the other, the first point of each not repeated;
+// What becomes of curves before they are filled, in their unit (arap/model/outline.h).
+typedef struct arap_outline_options {
+  size_t size;
+  uint32_t vertices;  // about; 0: 1000
+  double tolerance;   // simplify by so much at most; 0: every point is kept
+  double expansion;   // grow outwards by so much
+} arap_outline_options;
+
+// Well-shaped triangles inside closed curves: a mesh to register. `options` may be NULL. `points` has the curves one after the other, the first point of each not repeated;
 // `lengths[i]` is how many points the curve i has. Curves inside of others are holes, and the other
 // way round. Needs no session.
 arap_error* arap_mesh_outline(const arap_client* client, const double* points,
-                              const size_t* lengths, size_t outline_count, uint32_t vertices,
-                              const arap_call_options* call, arap_outline_mesh** out);
+                              const size_t* lengths, size_t outline_count,
+                              const arap_outline_options* options, const arap_call_options* call,
+                              arap_outline_mesh** out);
 size_t arap_outline_mesh_vertex_count(const arap_outline_mesh* mesh);
 const double* arap_outline_mesh_vertices(const arap_outline_mesh* mesh);  // #V × 2
 size_t arap_outline_mesh_triangle_count(const arap_outline_mesh* mesh);
@@ -29,6 +37,8 @@ const uint32_t* arap_outline_mesh_triangles(const arap_outline_mesh* mesh);  // 
 size_t arap_outline_mesh_piece_count(const arap_outline_mesh* mesh);
 size_t arap_outline_mesh_hole_count(const arap_outline_mesh* mesh);      // of all pieces
 double arap_outline_mesh_smallest_angle(const arap_outline_mesh* mesh);  // in degrees
+// How far its border is at most from that of what was asked for.
+double arap_outline_mesh_outline_error(const arap_outline_mesh* mesh);
 void arap_outline_mesh_free(arap_outline_mesh* mesh);
 
 // ---- Flattening ----

@@ -103,9 +103,10 @@ class Client {
   Result<SessionPage> ListSessions(std::uint32_t page_size = 0, const std::string& page_token = {},
                                    const CallOptions& call = {}) const;
 
-  // Triangles inside outlines: a mesh to register, with about so many vertices (0: 1000).
+  // Triangles inside outlines, which may be simplified or grow before: a mesh to register.
   // Stateless: needs no session. Within kWorkLimit.
-  Result<OutlineMesh> MeshOutline(std::span<const Outline> outlines, std::uint32_t vertices = 0,
+  Result<OutlineMesh> MeshOutline(std::span<const Outline> outlines,
+                                  const OutlineOptions& options = {},
                                   const CallOptions& call = {}) const;
 
   // Flattens a surface, true to size. Stateless: needs no session. Within kWorkLimit.

@@ -16,6 +16,7 @@ using arap::Basis;
 using arap::Complex;
 using arap::EnergyOptions;
 using arap::Outline;
+using arap::OutlineOptions;
 using arap::PlanarMesh;
 using arap::Point3;
 using arap::QualityMesh;

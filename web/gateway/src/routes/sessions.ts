@@ -292,13 +292,13 @@ export function sessionRoutes(app: FastifyInstance, context: Context): void {
       },
     },
     async (request, reply) => {
-      const { outlines, vertices } = request.body as Static<typeof OutlineBody>;
+      const { outlines, ...options } = request.body as Static<typeof OutlineBody>;
       const filled = await calling(context, request, reply, (client, call) =>
-        client.meshOutline(outlines, vertices, call),
+        client.meshOutline(outlines, options, call),
       );
       timed(reply, filled);
-      const { mesh, pieceCount, holeCount, smallestAngleDegrees } = filled;
-      return { mesh, pieceCount, holeCount, smallestAngleDegrees };
+      const { mesh, pieceCount, holeCount, smallestAngleDegrees, outlineError } = filled;
+      return { mesh, pieceCount, holeCount, smallestAngleDegrees, outlineError };
     },
   );
 }

@@ -53,6 +53,10 @@ export const OutlineBody = closed({
   vertices: optional(
     Type.Integer({ minimum: 0, maximum: 4294967295, description: "About so many. Default 1000." }),
   ),
+  tolerance: optional(
+    Type.Number({ description: "By how much outlines may be simplified. Default 0: not at all." }),
+  ),
+  expansion: optional(Type.Number({ description: "By how much they grow outwards. Default 0." })),
 });
 
 export const OutlineAnswer = Type.Object({
@@ -60,6 +64,9 @@ export const OutlineAnswer = Type.Object({
   pieceCount: Type.Integer(),
   holeCount: Type.Integer(),
   smallestAngleDegrees: Type.Number(),
+  outlineError: Type.Number({
+    description: "How far the border is at most from that of what was asked for.",
+  }),
 });
 
 export const SurfaceAnswer = Type.Object({
