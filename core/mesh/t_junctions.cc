@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 #include <Eigen/Geometry>
 
@@ -13,7 +14,7 @@ namespace {
 
 constexpr std::size_t kJunctionsPerSide = 4;
 constexpr std::size_t kLooksPerSide = 2000;
-constexpr std::size_t kLeaf = 8;  // vertices
+constexpr std::size_t kLeaf = 8;  // places
 
 // A stretch of a straight line.
 struct Stretch {
@@ -43,15 +44,45 @@ struct Stretch {
   }
 };
 
-// The vertices of the border in boxes, and those in boxes.
-class BorderTree {
+// Vertices with equal coordinates, one such place after the other: triangles of a soup have all of
+// theirs in common.
+class Places {
  public:
-  BorderTree(std::span<const Point3> points, std::vector<std::uint32_t> vertices, double margin)
-      : points_(points), vertices_(std::move(vertices)), margin_(margin) {
-    if (!vertices_.empty()) Build(0, vertices_.size());
+  // `vertices` each once.
+  Places(std::span<const Point3> points, std::vector<std::uint32_t> vertices)
+      : vertices_(std::move(vertices)) {
+    std::sort(vertices_.begin(), vertices_.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return points[a] != points[b] ? points[a] < points[b] : a < b;
+    });
+    for (std::size_t i = 0; i < vertices_.size(); ++i) {
+      if (i == 0 || points[vertices_[i]] != points[vertices_[i - 1]]) begin_.push_back(i);
+      if (begin_.back() == i) points_.push_back(points[vertices_[i]]);
+    }
+    begin_.push_back(vertices_.size());
   }
 
-  // Calls visit(vertex) for all that may be within the margin of the segment, as long as look() lets it
+  std::span<const Point3> points() const { return points_; }
+  std::span<const std::uint32_t> At(std::size_t place) const {
+    return std::span(vertices_).subspan(begin_[place], begin_[place + 1] - begin_[place]);
+  }
+
+ private:
+  std::vector<std::uint32_t> vertices_;
+  std::vector<std::size_t> begin_;
+  std::vector<Point3> points_;
+};
+
+// Places in boxes, and those in boxes.
+class PlaceTree {
+ public:
+  // Refers to the points.
+  PlaceTree(std::span<const Point3> points, double margin)
+      : points_(points), places_(points.size()), margin_(margin) {
+    std::iota(places_.begin(), places_.end(), 0u);
+    if (!places_.empty()) Build(0, places_.size());
+  }
+
+  // Calls visit(place) for all that may be within the margin of the segment, as long as look() lets it
   // look into another box.
   template <class Look, class Visit>
   void Near(const Stretch& segment, Look look, Visit visit) {
@@ -65,7 +96,7 @@ class BorderTree {
         open_.push_back(node.first);
         continue;
       }
-      for (std::size_t i = node.begin; i < node.end; ++i) visit(vertices_[i]);
+      for (std::size_t i = node.begin; i < node.end; ++i) visit(places_[i]);
     }
     open_.clear();
   }
@@ -80,7 +111,7 @@ class BorderTree {
   std::uint32_t Build(std::size_t begin, std::size_t end) {
     const auto index = static_cast<std::uint32_t>(nodes_.size());
     Node node;
-    for (std::size_t i = begin; i < end; ++i) node.box.extend(Vec(points_[vertices_[i]]));
+    for (std::size_t i = begin; i < end; ++i) node.box.extend(Vec(points_[places_[i]]));
     const Eigen::Vector3d sizes = node.box.sizes();
     node.box.min().array() -= margin_;
     node.box.max().array() += margin_;
@@ -92,7 +123,7 @@ class BorderTree {
     const auto k = static_cast<std::size_t>(axis);
     const std::size_t middle = begin + (end - begin) / 2;
     const auto at = [this](std::size_t i) {
-      return vertices_.begin() + static_cast<std::ptrdiff_t>(i);
+      return places_.begin() + static_cast<std::ptrdiff_t>(i);
     };
     std::nth_element(at(begin), at(middle), at(end), [&](std::uint32_t a, std::uint32_t b) {
       return points_[a][k] != points_[b][k] ? points_[a][k] < points_[b][k] : a < b;
@@ -104,7 +135,7 @@ class BorderTree {
   }
 
   std::span<const Point3> points_;
-  std::vector<std::uint32_t> vertices_;
+  std::vector<std::uint32_t> places_;
   double margin_;
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> open_;  // nodes to be looked into
@@ -131,8 +162,9 @@ class JunctionSearch {
     for (const auto& [vertex, side] : ends_) {
       if (vertices.empty() || vertices.back() != vertex) vertices.push_back(vertex);
     }
+    const Places places(points_, std::move(vertices));
     // A little more, for what is rounded.
-    BorderTree tree(points_, std::move(vertices), 1.1 * tolerance_);
+    PlaceTree tree(places.points(), 1.1 * tolerance_);
     TJunctions junctions;
     for (std::size_t i = 0; i < border_.size(); ++i) {
       if (i % 1024 == 0) CHECK_OK(cancel.Check());
@@ -140,10 +172,13 @@ class JunctionSearch {
       if (segment.along.norm() <= 2 * tolerance_) continue;
       tree.Near(
           segment, [this] { return Look(); },
-          [&](std::uint32_t vertex) {
-            if (!IsJunction(border_[i], segment, vertex)) return;
-            junctions.found.push_back(
-                {border_[i].index, segment.Nearest(Vec(points_[vertex])), vertex});
+          [&](std::uint32_t place) {
+            const Eigen::Vector3d p = Vec(places.points()[place]);
+            if (!IsInside(p, border_[i], segment)) return;
+            for (const std::uint32_t vertex : places.At(place)) {
+              if (!RunsAlong(vertex, border_[i], segment)) continue;
+              junctions.found.push_back({border_[i].index, segment.Nearest(p), vertex});
+            }
           });
       if (looks_ == 0 || junctions.found.size() > kJunctionsPerSide * border_.size()) {
         junctions.cut_short = true;
@@ -168,14 +203,20 @@ class JunctionSearch {
     return looks_ > 0;
   }
 
-  bool IsJunction(const Side& side, const Stretch& segment, std::uint32_t vertex) {
+  // Whether it is on the side, and not at its ends.
+  bool IsInside(const Eigen::Vector3d& p, const Side& side, const Stretch& segment) const {
+    // Most are not even near its line, which costs no root or quotient to find out.
+    const double far = 1.01 * tolerance_ * tolerance_ * segment.along.squaredNorm();
+    if (segment.along.cross(p - segment.from).squaredNorm() > far) return false;
+    return segment.Distance(p) <= tolerance_ && (p - Vec(points_[side.v0])).norm() > tolerance_ &&
+           (p - Vec(points_[side.v1])).norm() > tolerance_;
+  }
+
+  // Whether a vertex of another triangle has an edge that lies along the side, or on which an end of
+  // the side lies.
+  bool RunsAlong(std::uint32_t vertex, const Side& side, const Stretch& segment) {
     const Triangle& own = triangles_[side.triangle()];
     if (vertex == own[0] || vertex == own[1] || vertex == own[2]) return false;
-    const Eigen::Vector3d p = Vec(points_[vertex]);
-    if (segment.Distance(p) > tolerance_) return false;
-    if ((p - Vec(points_[side.v0])).norm() <= tolerance_) return false;
-    if ((p - Vec(points_[side.v1])).norm() <= tolerance_) return false;
-    // An edge of the vertex that lies along the side, or on which an end of the side lies.
     for (auto at = std::lower_bound(ends_.begin(), ends_.end(), End{vertex, 0});
          at != ends_.end() && (*at)[0] == vertex && Look(); ++at) {
       const Side& edge = border_[(*at)[1]];
