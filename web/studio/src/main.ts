@@ -5,9 +5,10 @@ import { Studio } from "./studio.js";
 import { Takes } from "./takes.js";
 import { button, h, mark, write } from "./ui/dom.js";
 import { Guide, keyHelp } from "./ui/guide.js";
-import { motionTab, pinsTab, puppetTab, tabbed } from "./ui/panel.js";
+import { motionTab, pinsTab, puppetTab } from "./ui/panel.js";
 import { saveTab } from "./ui/save_tab.js";
 import { head, onDrop, oncePerPicture, speaker, undoing } from "./ui/shell.js";
+import { tabbed } from "./ui/tabs.js";
 import { takeTab } from "./ui/take_tab.js";
 import { Stage } from "./view/stage.js";
 import { words } from "./words.js";
@@ -31,8 +32,8 @@ function start(): void {
 
   // ---- the head: history, help
   const history = undoing(studio);
-  const guide = new Guide(studio);
-  const keys = keyHelp();
+  const guide = new Guide(words.guide.steps, "arapd-studio-guide");
+  const keys = keyHelp(words.guide.pointerList, words.guide.keyList);
   const help = button(words.help, () => {
     guide.open();
     keys.showModal();
@@ -61,7 +62,7 @@ function start(): void {
     takeTab(studio, takes),
     saveTab(studio, takes),
   ];
-  const panel = tabbed(tabs);
+  const panel = tabbed(tabs, words.tabs);
   // What can be said of a pin is beside it, unless somebody is busy with something else there.
   stage.onPick = () => {
     if (!tabs[0].element.hidden) panel.show("pins");
@@ -92,6 +93,14 @@ function start(): void {
   };
   const ask = oncePerPicture(sync);
   studio.listen(ask);
+  let first: number | undefined;
+  studio.listen(() => {
+    const { body, figure, pins } = studio.puppet;
+    if (!body) return;
+    first ??= figure;
+    if (pins.length >= 3) guide.done(2);
+    else if (figure !== first || pins.length > 0) guide.done(1);
+  });
   takes.listen(ask);
   // The read-outs are of the last seconds, and go down when nothing happens. Oftener nobody could read them.
   setInterval(() => meters.sync(), 250);

@@ -49,23 +49,37 @@ export interface OutlineMesh {
 /** Under which address the gateway is: where the page is. */
 export const addressOf = (path: string): URL => new URL(path, document.baseURI);
 
-async function ask<T>(method: string, path: string, body?: unknown): Promise<T> {
+/** The answer to a request; what it has to say if it is wrong is a Problem. The body is JSON or a form. */
+export async function send(
+  method: string,
+  path: string,
+  body?: unknown,
+  more: RequestInit = {},
+): Promise<Response> {
+  const isForm = body instanceof FormData;
   let response: Response;
   try {
     response = await fetch(addressOf(path), {
       method,
+      ...more,
       ...(body !== undefined && {
-        headers: { "content-type": "application/json" },
-        body: JSON.stringify(body),
+        headers: { ...(!isForm && { "content-type": "application/json" }), ...more.headers },
+        body: isForm ? body : JSON.stringify(body),
       }),
     });
-  } catch {
+  } catch (error) {
+    if (more.signal?.aborted) throw error;
     throw new Problem(0, "UNREACHABLE", "");
   }
   if (!response.ok) {
     const problem = (await response.json().catch(() => ({}))) as ProblemBody;
     throw problemOf(problem, response.status);
   }
+  return response;
+}
+
+async function ask<T>(method: string, path: string, body?: unknown): Promise<T> {
+  const response = await send(method, path, body);
   return (response.status === 204 ? undefined : await response.json()) as T;
 }
 

@@ -134,6 +134,62 @@ export function check(options: {
   };
 }
 
+/** A number that is typed. What is no number from `min` to `max` is not taken, and said by the browser. */
+export function amount(options: {
+  label: string;
+  unit: string;
+  min: number;
+  max: number;
+  get: () => number;
+  set: (value: number) => void;
+}): Field {
+  const id = freshName();
+  const input = h("input", {
+    id,
+    type: "number",
+    inputmode: "decimal",
+    min: options.min,
+    max: options.max,
+    step: "any",
+    onchange: () => {
+      if (input.reportValidity() && input.value !== "") options.set(input.valueAsNumber);
+    },
+  });
+  return {
+    element: h(
+      "div",
+      { class: "field amount" },
+      h("label", { for: id }, options.label),
+      h("span", {}, input, ` ${options.unit}`),
+    ),
+    sync() {
+      if (document.activeElement !== input) input.value = String(options.get());
+    },
+  };
+}
+
+/** A button that lets the visitor choose a file. */
+export function fileButton(
+  text: string,
+  accept: string,
+  open: (file: File) => void,
+): HTMLElement[] {
+  const input = h("input", {
+    type: "file",
+    accept,
+    class: "unseen",
+    id: freshName(),
+    tabindex: -1,
+    "aria-hidden": "true",
+    onchange: () => {
+      const file = input.files?.[0];
+      input.value = "";
+      if (file) open(file);
+    },
+  });
+  return [button(text, () => input.click(), { class: "main" }), input];
+}
+
 /** Saves bytes under a name, as the browser does it. */
 export function download(name: string, parts: BlobPart[], type: string): void {
   const address = URL.createObjectURL(new Blob(parts, { type }));

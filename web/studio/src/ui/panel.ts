@@ -1,80 +1,17 @@
-// The panel: tabs, and what is in them. Takes and saving have files of their own.
+// What is in the puppet page's tabs. Takes and saving have files of their own.
 import { samples } from "../samples/index.js";
 import type { Studio } from "../studio.js";
 import { words } from "../words.js";
-import { button, check, choice, freshName, h, slider } from "./dom.js";
-import type { Field } from "./dom.js";
+import { button, check, choice, fileButton, freshName, h, slider } from "./dom.js";
+import { fieldsOf, section } from "./tabs.js";
+import type { Tab as AnyTab } from "./tabs.js";
 import { themeField } from "./theme.js";
 
-export interface Tab {
-  name: keyof typeof words.tabs;
-  element: HTMLElement;
-  sync(): void;
-}
-
-/** Tabs as the ARIA pattern has them: arrow keys go from one to the next. */
-export function tabbed(tabs: readonly Tab[]): {
-  element: HTMLElement;
-  show(name: Tab["name"]): void;
-} {
-  const buttons = tabs.map((tab) => {
-    const panel = freshName();
-    tab.element.id = panel;
-    tab.element.setAttribute("role", "tabpanel");
-    tab.element.tabIndex = 0;
-    const id = freshName();
-    tab.element.setAttribute("aria-labelledby", id);
-    return h(
-      "button",
-      { type: "button", role: "tab", id, "aria-controls": panel, onclick: () => show(tab.name) },
-      words.tabs[tab.name],
-    );
-  });
-  const list = h("div", { role: "tablist", "aria-label": words.tabList }, ...buttons);
-  list.addEventListener("keydown", (event) => {
-    const at = buttons.indexOf(event.target as HTMLButtonElement);
-    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
-    if (at < 0 || step === undefined) return;
-    const next = (at + step + tabs.length) % tabs.length;
-    show(tabs[next].name);
-    buttons[next].focus();
-    event.preventDefault();
-  });
-  function show(name: Tab["name"]): void {
-    tabs.forEach((tab, i) => {
-      const isShown = tab.name === name;
-      tab.element.hidden = !isShown;
-      buttons[i].setAttribute("aria-selected", String(isShown));
-      buttons[i].tabIndex = isShown ? 0 : -1;
-      if (isShown) tab.sync();
-    });
-  }
-  show(tabs[0].name);
-  return { element: h("div", { class: "panel" }, list, ...tabs.map((tab) => tab.element)), show };
-}
-
-const section = (title: string, ...children: (HTMLElement | null)[]): HTMLElement =>
-  h("section", {}, h("h2", {}, title), ...children);
-
-export const fieldsOf = (fields: readonly Field[]) => ({
-  elements: fields.map((field) => field.element),
-  sync: () => fields.forEach((field) => field.sync()),
-});
+export type Tab = AnyTab<keyof typeof words.tabs>;
 
 export function puppetTab(studio: Studio): Tab {
-  const input = h("input", {
-    type: "file",
-    accept: "image/png,image/webp,image/svg+xml,image/gif,image/avif",
-    class: "unseen",
-    id: freshName(),
-    tabindex: -1,
-    "aria-hidden": "true",
-    onchange: () => {
-      const file = input.files?.[0];
-      input.value = "";
-      if (file) void studio.openFile(file);
-    },
-  });
+  const picture = "image/png,image/webp,image/svg+xml,image/gif,image/avif";
+  const open = fileButton(words.puppet.open, picture, (file) => void studio.openFile(file));
   const cards = samples.map((sample, i) =>
     h(
       "button",
@@ -135,12 +72,7 @@ export function puppetTab(studio: Studio): Tab {
     section(
       words.puppet.choose,
       h("div", { class: "cards" }, ...cards),
-      h(
-        "div",
-        { class: "row" },
-        button(words.puppet.open, () => input.click(), { class: "main" }),
-        input,
-      ),
+      h("div", { class: "row" }, ...open),
       h("p", { class: "hint" }, words.puppet.openHint),
     ),
     section(words.puppet.mesh, ...fields.elements, facts),

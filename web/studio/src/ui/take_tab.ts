@@ -4,7 +4,7 @@ import { recordingRate } from "../takes.js";
 import type { Takes } from "../takes.js";
 import { words } from "../words.js";
 import { button, h, slider } from "./dom.js";
-import { fieldsOf } from "./panel.js";
+import { fieldsOf } from "./tabs.js";
 import type { Tab } from "./panel.js";
 
 export function takeTab(studio: Studio, takes: Takes): Tab {

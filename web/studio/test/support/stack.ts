@@ -128,30 +128,49 @@ export class Stack {
   async visit(
     options: BrowserContextOptions = {},
     path = "",
-    prepare: (page: Page) => void = () => {},
+    prepare: (page: Page) => unknown = () => {},
   ): Promise<Page> {
     const context = await this.#browser.newContext({ acceptDownloads: true, ...options });
     context.setDefaultTimeout(patience);
     const page = await context.newPage();
-    prepare(page);
+    await prepare(page);
     await page.goto(new URL(path, this.address).href);
     return page;
   }
 
-  /** A page with the first puppet live. Errors of the page fail the test that asks `faults`. */
-  async open(options: BrowserContextOptions = {}): Promise<Studio> {
+  /** The same, with the errors of the page, which fail the test that asks for them. */
+  async watched(
+    options: BrowserContextOptions = {},
+    path = "",
+    script = "",
+  ): Promise<[Page, string[]]> {
     const faults: string[] = [];
-    const page = await this.visit(options, "", (fresh) => {
+    const page = await this.visit(options, path, async (fresh) => {
       fresh.on("pageerror", (error) => faults.push(error.message));
       fresh.on("console", (message) => {
         if (/Content.Security.Policy/.test(message.text())) faults.push(message.text());
       });
+      if (script) await fresh.addInitScript(script);
     });
+    return [page, faults];
+  }
+
+  /** A page with the first puppet live. */
+  async open(options: BrowserContextOptions = {}): Promise<Studio> {
+    const [page, faults] = await this.watched(options);
     const studio = new Studio(page, faults);
     // What the page says is told with what never comes.
     await page.evaluate("window.said = [], studio.onSay((text) => said.push(text))");
     await studio.until("studio.connection === 'live' && studio.puppet.body !== null");
     return studio;
+  }
+
+  /** The server answers nothing until it goes on. */
+  pauseServer(): void {
+    this.#server.kill("SIGSTOP");
+  }
+  resumeServer(): void {
+    this.#server.kill("SIGCONT");
   }
 
   async stop(): Promise<void> {
@@ -162,14 +181,14 @@ export class Stack {
   }
 }
 
-/** The page, with words for what a visitor does. */
-export class Studio {
+/** A page, with words for what a visitor does. */
+export class Visit {
   constructor(
     readonly page: Page,
     readonly faults: string[],
   ) {}
 
-  /** Waits until an expression on the page's `studio`, `takes` and `stage` is true. */
+  /** Waits until an expression on what the page shows to tests is true. */
   async until(expression: string): Promise<void> {
     // Playwright's own wait would need the page to allow eval, which the gateway's headers forbid.
     const limit = Date.now() + patience;
@@ -184,6 +203,13 @@ export class Studio {
   ask<T>(expression: string): Promise<T> {
     return this.page.evaluate(expression) as Promise<T>;
   }
+  async tab(name: string): Promise<void> {
+    await this.page.getByRole("tab", { name, exact: true }).click();
+  }
+}
+
+/** The puppet page: `studio`, `takes` and `stage`. */
+export class Studio extends Visit {
   /** Waits until the shape is that of the document. */
   settle(): Promise<void> {
     return this.until("studio.isSettled");
@@ -194,9 +220,6 @@ export class Studio {
   }
   async click(x: number, y: number): Promise<void> {
     await this.page.mouse.click(...(await this.at(x, y)));
-  }
-  async tab(name: string): Promise<void> {
-    await this.page.getByRole("tab", { name, exact: true }).click();
   }
   async pinCount(count: number): Promise<void> {
     await this.until(`studio.puppet.pins.length === ${count}`);
