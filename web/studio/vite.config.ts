@@ -9,6 +9,7 @@ export default defineConfig({
     target: "es2022",
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
+    chunkSizeWarningLimit: 700, // kB: three.js, which only the flatten page loads
     rollupOptions: { input: readdirSync(".").filter((name) => name.endsWith(".html")) },
   },
 });

@@ -1,5 +1,6 @@
-// Every text of the pages, those of the load page in words/load.ts. For another language give an object of the
-// same shape.
+// Every text of the pages, those of the flatten and the load page in words/. For another language give an object
+// of the same shape.
+import { flat } from "./words/flatten.js";
 import { load } from "./words/load.js";
 
 const pinWord = (id: string): string => id.replace(/^pin-/, "pin ");
@@ -9,6 +10,7 @@ export const words = {
   pageList: "Pages",
   pages: {
     puppet: { name: "Puppet", title: "Puppet studio" },
+    flatten: { name: "Flatten", title: "Pattern studio" },
     load: { name: "Load", title: "Server load" },
   },
   skip: "To the puppet",
@@ -239,6 +241,7 @@ export const words = {
     redone: (what: string) => `Redone: ${what}`,
     outside: "There is no puppet at the cross",
   },
+  flat,
   load,
   noWebGL: "This browser has no WebGL 2, with which the puppet is drawn.",
   wentWrong: (sentence: string) => sentence || "Something went wrong.",

@@ -4,9 +4,10 @@ import { words } from "../words.js";
 import { button, h } from "./dom.js";
 
 /** Named as in `words.pages`. */
-export type Page = "puppet" | "load";
+export type Page = "puppet" | "flatten" | "load";
 const pages: readonly (readonly [Page, string])[] = [
   ["puppet", "./"],
+  ["flatten", "./flatten.html"],
   ["load", "./load.html"],
 ];
 

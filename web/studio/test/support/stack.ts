@@ -194,7 +194,7 @@ export class Visit {
     const limit = Date.now() + patience;
     while (!(await this.page.evaluate(expression))) {
       if (Date.now() > limit) {
-        const said = await this.page.evaluate("said.join(' | ')");
+        const said = await this.page.evaluate("(window.said ?? []).join(' | ')");
         throw new Error(`this never came: ${expression}; the page said: ${said}`);
       }
       await delay(20);
