@@ -6,7 +6,7 @@ import type { Moment } from "./watch.js";
 
 // In units of the text's size: all of it, and what numbers and names take at its sides.
 const tall = 8;
-const sides = { left: 4, below: 1.3, above: 0.5, right: 0.4 };
+const sides = { left: 5, below: 1.3, above: 0.5, right: 0.4 };
 // A pause in which nobody asked is a gap.
 const gapMs = 4000;
 
