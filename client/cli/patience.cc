@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/report.h"
+#include "client/cli/terminal.h"
 
 namespace arap::cli {
 namespace {
@@ -47,7 +47,8 @@ void Patience::Heard() { heard_ = Now(); }
 
 void Patience::Watch() {
   constexpr std::chrono::milliseconds kLook{100};
-  Elapsed elapsed(what_);
+  const auto start = steady_clock::now();
+  StatusLine line(what_.empty());
   for (;;) {
     {
       const MutexLock lock(&mutex_);
@@ -56,7 +57,9 @@ void Patience::Watch() {
       }
       if (done_) return;
     }
-    if (!what_.empty()) elapsed.Show();
+    const auto passed =
+        std::chrono::floor<std::chrono::seconds>(steady_clock::now() - start).count();
+    if (passed >= 1) line.Show(fmt::format("{} {} s", what_, passed));
     const std::chrono::nanoseconds silent(Now() - heard_);
     if (end_ != End::kNone || !(interrupted || silent > limit_)) continue;
     end_ = interrupted ? End::kInterrupted : End::kSilent;

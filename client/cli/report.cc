@@ -104,38 +104,6 @@ void PrintWarnings(const std::vector<Warning>& warnings) {
   }
 }
 
-Progress::Progress(std::string what, std::size_t total)
-    : what_(std::move(what)), total_(total), terminal_(IsTerminal(STDERR_FILENO)) {}
-
-Progress::~Progress() {
-  if (terminal_ && done_ > 0) fmt::print(stderr, "\n");
-}
-
-void Progress::Step() {
-  ++done_;
-  if (terminal_) fmt::print(stderr, "\r{} {}/{}", what_, done_, total_);
-}
-
-Elapsed::Elapsed(std::string what)
-    : what_(std::move(what)),
-      start_(std::chrono::steady_clock::now()),
-      terminal_(IsTerminal(STDERR_FILENO)) {}
-
-Elapsed::~Elapsed() { Clear(); }
-
-void Elapsed::Show() {
-  const auto passed = std::chrono::steady_clock::now() - start_;
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(passed).count();
-  if (!terminal_ || seconds < 1) return;
-  fmt::print(stderr, "\r{} {} s", what_, seconds);
-  shown_ = true;
-}
-
-void Elapsed::Clear() {
-  if (shown_) fmt::print(stderr, "\r\033[K");
-  shown_ = false;
-}
-
 Percentiles PercentilesOf(std::vector<double> samples) {
   if (samples.empty()) return {};
   std::sort(samples.begin(), samples.end());

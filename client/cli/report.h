@@ -1,8 +1,6 @@
-// What the commands say: faults and warnings on standard error, on a terminal how the work goes on,
-// and what a set of times amounts to.
+// What the commands say: faults and warnings on standard error, and what a set of times amounts to.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -46,42 +44,6 @@ const std::vector<Warning>& PrintedWarnings();
 bool TakeStandardOutput(const std::string& flag);
 // Prints a summary for people: on standard output, or on standard error when the other is taken.
 void Say(std::string_view text);
-
-// A line on standard error that is overwritten as the work goes on. Silent unless it is a terminal.
-class Progress {
- public:
-  Progress(std::string what, std::size_t total);
-  ~Progress();
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-
-  void Step();
-
- private:
-  std::string what_;
-  std::size_t total_;
-  std::size_t done_ = 0;
-  bool terminal_;
-};
-
-// Says how long something has taken, once that is more than a second. Silent unless standard error
-// is a terminal.
-class Elapsed {
- public:
-  explicit Elapsed(std::string what);
-  ~Elapsed();
-  Elapsed(const Elapsed&) = delete;
-  Elapsed& operator=(const Elapsed&) = delete;
-
-  void Show();
-  void Clear();
-
- private:
-  std::string what_;
-  std::chrono::steady_clock::time_point start_;
-  bool shown_ = false;
-  bool terminal_;
-};
 
 struct Percentiles {
   double p50 = 0, p90 = 0, p99 = 0, max = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <cstdlib>
 
 #include <fmt/format.h>
@@ -53,6 +54,19 @@ std::string Styled(int descriptor, Look look, std::string_view text) {
   if (IsSet("NO_COLOR") || !IsSet("TERM") || !IsTerminal(descriptor)) return std::string(text);
   constexpr std::array<int, 4> kCodes{1, 31, 33, 32};
   return fmt::format("\033[{}m{}\033[0m", kCodes[static_cast<std::size_t>(look)], text);
+}
+
+StatusLine::StatusLine(bool silent) : shows_(!silent && IsTerminal(STDERR_FILENO)) {}
+
+StatusLine::~StatusLine() {
+  if (shown_) fmt::print(stderr, "\r\033[K");
+}
+
+void StatusLine::Show(std::string_view text, std::optional<Look> look) {
+  if (!shows_) return;
+  fmt::print(stderr, "\r{}\033[K", look ? Styled(STDERR_FILENO, *look, text) : std::string(text));
+  std::fflush(stderr);
+  shown_ = true;
 }
 
 std::string Wrapped(std::string_view text, std::size_t width, std::size_t indent) {

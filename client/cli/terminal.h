@@ -1,6 +1,7 @@
 // What is for people who look at a terminal, and not for files and pipes.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -16,6 +17,22 @@ enum class Look { kStrong, kBad, kDoubtful, kGood };
 // The text in bold, red, yellow or green, where `descriptor` is such a terminal and neither NO_COLOR nor
 // a TERM without colours asks for plain text.
 std::string Styled(int descriptor, Look look, std::string_view text);
+
+// A line on standard error that is written over as the work goes on, and taken away at the end. Shows
+// nothing when it is to be silent, or where there is no such terminal. For one thread.
+class StatusLine {
+ public:
+  explicit StatusLine(bool silent = false);
+  ~StatusLine();
+  StatusLine(const StatusLine&) = delete;
+  StatusLine& operator=(const StatusLine&) = delete;
+
+  void Show(std::string_view text, std::optional<Look> look = {});
+
+ private:
+  bool shows_;
+  bool shown_ = false;
+};
 
 // Words set in lines of at most `width` characters, broken at spaces alone; each line begins with
 // `indent` spaces, and none ends with one. A line of the text that begins with a space stays as it is.

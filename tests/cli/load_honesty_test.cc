@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/cli/load/sender.h"
+#include "client/cli/load/schedule.h"
 #include "client/cli/load/tally.h"
 
 namespace arap::cli {

@@ -7,12 +7,11 @@
 
 #include <gmock/gmock.h>
 
-#include "client/cli/load/arrivals.h"
-#include "client/cli/load/mix.h"
-#include "client/cli/load/rate_profile.h"
-#include "client/cli/load/rate_search.h"
+#include "client/cli/load/chance.h"
+#include "client/cli/load/rates.h"
 #include "client/cli/load/scene.h"
-#include "client/cli/load/stability.h"
+#include "client/cli/load/schedule.h"
+#include "client/cli/load/tally.h"
 
 namespace arap::cli {
 namespace {

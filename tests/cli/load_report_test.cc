@@ -8,9 +8,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-#include "client/cli/load/html_report.h"
-#include "client/cli/load/progress_line.h"
-#include "client/cli/load/text_report.h"
+#include "client/cli/load/reports.h"
 #include "client/cli/report.h"
 #include "client/cli/terminal.h"
 #include "tests/cli/made_results.h"

@@ -15,6 +15,7 @@
 #include "client/cli/patience.h"
 #include "client/cli/reply.h"
 #include "client/cli/report.h"
+#include "client/cli/terminal.h"
 #include "core/base/try.h"
 #include "core/files/mesh_file.h"
 
@@ -119,12 +120,12 @@ Result<Reply> BakeTrack(const StageOptions& options) {
   std::vector<EditTimes> edits;
   {
     Baker baker(stage, options);
-    Progress progress("frame", track.frames.size());
+    StatusLine line;
     const auto on_shape = [&](std::size_t frame, client::Shape&& shape) -> Status {
       CHECK_OK(shapes.Write(frame, shape.positions));
       totals.Add(shape);
       film.Add(frame, std::move(shape.positions));
-      progress.Step();
+      line.Show(fmt::format("frame {}/{}", totals.frames, track.frames.size()));
       return {};
     };
     TrackSegments segments(track);

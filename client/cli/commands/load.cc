@@ -15,7 +15,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/load/load_run.h"
 #include "client/cli/load/outputs.h"
-#include "client/cli/load/sender.h"
+#include "client/cli/load/schedule.h"
 #include "client/cli/patience.h"
 #include "client/cli/report.h"
 

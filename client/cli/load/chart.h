@@ -1,10 +1,13 @@
-// Line charts as SVG for a page that has their colours and sizes in its style (html_report.cc).
+// Line charts as SVG for a page that has their colours and sizes in its style (html_report.cc), and
+// those of a run (run_charts.cc).
 #pragma once
 
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "client/cli/load/results.h"
 
 namespace arap::cli {
 
@@ -49,6 +52,15 @@ ChartAxis QuantileAxis(double count);
 
 // A legend and the picture. `id` is one that no other chart of the page has.
 std::string ChartHtml(const Chart& chart, std::string_view id);
+
+// Median, p99 and slowest response of each interval; the run has some.
+Chart TimesChart(const LoadResults& results, Operation operation);
+// Offered, answered and, if any, failed messages a second of each interval; the run has some.
+Chart RatesChart(const LoadResults& results, Operation operation);
+// Which part of the answers took how long, where each further nine of the part is as wide.
+Chart QuantilesChart(const LoadResults& results, Operation operation);
+// Median and p99 of the steps of a ramp or search by their rate; the run has some.
+Chart StepsChart(const LoadResults& results);
 
 // For text between tags and in attributes.
 std::string EscapeHtml(std::string_view text);

@@ -1,5 +1,4 @@
-#include "client/cli/load/html_report.h"
-
+// A run as a page.
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -10,7 +9,7 @@
 #include "client/cli/load/chart.h"
 #include "client/cli/load/html_style.h"
 #include "client/cli/load/metric.h"
-#include "client/cli/load/run_charts.h"
+#include "client/cli/load/reports.h"
 
 namespace arap::cli {
 namespace {

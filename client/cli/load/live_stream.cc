@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/load/draw.h"
+#include "client/cli/load/chance.h"
 #include "proto/convert/deform.h"
 #include "proto/convert/plain.h"
 #include "proto/convert/status.h"

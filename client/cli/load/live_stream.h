@@ -13,12 +13,11 @@
 #include <vector>
 
 #include "arap/client/client.h"
-#include "client/cli/load/arrivals.h"
+#include "client/cli/load/chance.h"
 #include "client/cli/load/load_session.h"
-#include "client/cli/load/mix.h"
 #include "client/cli/load/pacer.h"
 #include "client/cli/load/scene.h"
-#include "client/cli/load/sender.h"
+#include "client/cli/load/schedule.h"
 #include "client/cli/load/side_calls.h"
 #include "client/cli/load/tally.h"
 #include "client/cli/load/verifier.h"

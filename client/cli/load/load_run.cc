@@ -11,9 +11,10 @@
 #include <sys/resource.h>
 
 #include "client/cli/load/engine.h"
-#include "client/cli/load/progress_line.h"
-#include "client/cli/load/rate_search.h"
-#include "client/cli/load/stability.h"
+#include "client/cli/load/rates.h"
+#include "client/cli/load/reports.h"
+#include "client/cli/load/tally.h"
+#include "client/cli/terminal.h"
 #include "client/src/channel.h"
 #include "core/base/try.h"
 
@@ -178,9 +179,11 @@ class LoadCourse {
   LoadResults Send(const std::shared_ptr<LoadPhase>& phase, const Counts& goes_on) {
     const PhaseEnd end = engine_.Run(phase, [&](double seconds, const Glance& glance) {
       errors_ += glance.failed;
-      line_.Show({seconds, request_.count ? 0 : request_.warm_up + length_,
-                  seconds <= request_.warm_up, static_cast<double>(glance.answered),
-                  glance.response.Quantile(0.5), glance.response.Quantile(0.99), errors_});
+      line_.Show(
+          ProgressText({seconds, request_.count ? 0 : request_.warm_up + length_,
+                        seconds <= request_.warm_up, static_cast<double>(glance.answered),
+                        glance.response.Quantile(0.5), glance.response.Quantile(0.99), errors_}),
+          errors_ > 0 ? std::optional(Look::kBad) : std::nullopt);
       return goes_on(seconds > request_.warm_up, glance);
     });
     LoadResults results;
@@ -242,7 +245,7 @@ class LoadCourse {
   const LoadRequest& request_;
   LoadEngine& engine_;
   const std::stop_token stop_;
-  ProgressLine line_;
+  StatusLine line_;
   const double length_;
   std::uint64_t errors_ = 0;
   std::shared_ptr<LoadPhase> opening_;  // what opening ran into, unless streams send at once

@@ -10,8 +10,8 @@
 
 #include "arap/client/client.h"
 #include "client/cli/connect/connection.h"
-#include "client/cli/load/mix.h"
-#include "client/cli/load/rate_profile.h"
+#include "client/cli/load/chance.h"
+#include "client/cli/load/rates.h"
 #include "client/cli/load/results.h"
 #include "client/cli/load/scene.h"
 #include "client/cli/load/threshold.h"
@@ -41,7 +41,7 @@ struct LoadRequest {
   std::optional<double> seconds;
   double warm_up = 0;                  // before them
   std::optional<std::uint64_t> count;  // messages in all
-  std::optional<double> until_stable;  // percent (stability.h); seconds are then the most
+  std::optional<double> until_stable;  // percent (StabilityRule); seconds are then the most
 
   // At most one of the four; none: a closed loop. With `search`, `rate` is the first one to be tried.
   std::optional<double> fps;          // of each stream from its opening on, one on its way

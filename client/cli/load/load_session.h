@@ -12,8 +12,8 @@
 
 #include "arap/base/result.h"
 #include "arap/client/client.h"
-#include "client/cli/load/arrivals.h"
 #include "client/cli/load/scene.h"
+#include "client/cli/load/schedule.h"
 #include "client/src/channel.h"
 #include "core/base/mutex.h"
 

@@ -8,8 +8,7 @@
 #include <unistd.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/load/html_report.h"
-#include "client/cli/load/text_report.h"
+#include "client/cli/load/reports.h"
 #include "client/cli/report.h"
 #include "client/cli/terminal.h"
 #include "core/base/try.h"

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "client/cli/load/arrivals.h"
+#include "client/cli/load/schedule.h"
 #include "core/base/mutex.h"
 
 namespace arap::cli {

@@ -1,5 +1,3 @@
-#include "client/cli/load/run_charts.h"
-
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -7,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "client/cli/load/chart.h"
 #include "client/cli/load/metric.h"
 
 namespace arap::cli {

@@ -10,7 +10,7 @@
 #include "arap/client/handles.h"
 #include "arap/client/mesh.h"
 #include "arap/client/shape.h"
-#include "client/cli/load/draw.h"
+#include "client/cli/load/chance.h"
 
 namespace arap::cli {
 

@@ -2,6 +2,7 @@
 // is told.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -11,10 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "client/cli/load/arrivals.h"
 #include "client/cli/load/interval_log.h"
-#include "client/cli/load/rate_profile.h"
+#include "client/cli/load/rates.h"
 #include "client/cli/load/results.h"
+#include "client/cli/load/schedule.h"
 #include "core/base/mutex.h"
 
 namespace arap::cli {
@@ -43,6 +44,26 @@ struct ServerTimes {
 struct Glance {
   std::uint64_t answered = 0, failed = 0;
   Histogram response;
+};
+
+// Whether a run has said what there is to be said: its last kSeconds seconds each answered as many
+// messages, with the same median of their response, as they did on average, within so many percent.
+class StabilityRule {
+ public:
+  static constexpr std::size_t kSeconds = 5;
+
+  explicit StabilityRule(double percent) : within_(percent / 100) {}
+
+  // A second has gone by. Whether the run is stable now; a second without answers never is.
+  bool Add(double answered, double median);
+
+ private:
+  using Values = std::array<double, kSeconds>;
+  bool Agree(const Values& values) const;
+
+  double within_;
+  std::size_t seen_ = 0;
+  Values answered_{}, medians_{};
 };
 
 // Thread-safe. Messages count when they were intended at `from` or later; errors of those before count

@@ -1,12 +1,13 @@
-#include "client/cli/load/text_report.h"
-
+// A run as text and as CSV.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "client/cli/load/metric.h"
+#include "client/cli/load/reports.h"
 #include "client/cli/terminal.h"
 
 namespace arap::cli {
@@ -161,6 +162,13 @@ std::string OtherLines(const LoadResults& results, int descriptor) {
   return text;
 }
 
+std::string Span(double seconds) {
+  const auto whole = static_cast<long long>(std::ceil(std::clamp(seconds, 0.0, 1e9)));
+  if (whole < 120) return fmt::format("{} s", whole);
+  if (whole < 7200) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
+}
+
 }  // namespace
 
 std::string LoadText(const LoadResults& results, int descriptor) {
@@ -231,6 +239,18 @@ std::string Sparkline(const std::vector<double>& values, std::size_t columns) {
     const double part = value / highest * static_cast<double>(kBlocks.size());
     text += kBlocks[std::min(static_cast<std::size_t>(part), kBlocks.size() - 1)];
   }
+  return text;
+}
+
+std::string ProgressText(const LoadMoment& moment) {
+  std::string text =
+      moment.of > 0 ? Span(moment.of - moment.seconds) + " left" : Span(std::floor(moment.seconds));
+  if (moment.warming_up) text += ", warming up";
+  text += "  " + FormatFigure(moment.rate, Unit::kPerSecond);
+  if (moment.p99 > 0) {
+    text += fmt::format("  p50 {}  p99 {}", FormatMicros(moment.p50), FormatMicros(moment.p99));
+  }
+  text += fmt::format("  errors {}", moment.errors);
   return text;
 }
 

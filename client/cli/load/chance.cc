@@ -1,4 +1,4 @@
-#include "client/cli/load/mix.h"
+#include "client/cli/load/chance.h"
 
 #include <algorithm>
 #include <charconv>
@@ -6,8 +6,6 @@
 #include <string>
 
 #include <fmt/format.h>
-
-#include "client/cli/load/draw.h"
 
 namespace arap::cli {
 namespace {

@@ -1,16 +1,61 @@
-// Sender: what one stream has to send next, and when. It knows neither the wire nor a clock.
+// When the messages of one stream are due, and when they are sent. It knows neither the wire nor a
+// clock.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <utility>
 
-#include "client/cli/load/arrivals.h"
+#include "client/cli/load/rates.h"
 
 namespace arap::cli {
+
+// Times of a run, since an origin that everything in the process shares.
+using Moment = std::chrono::nanoseconds;
+constexpr Moment FromSeconds(double seconds) {
+  return std::chrono::duration_cast<Moment>(std::chrono::duration<double>(seconds));
+}
+constexpr double SecondsOf(Moment moment) { return std::chrono::duration<double>(moment).count(); }
+constexpr double MicrosOf(Moment moment) {
+  return std::chrono::duration<double, std::micro>(moment).count();
+}
+
+// Which part of the messages is a stream's.
+struct ArrivalShare {
+  std::size_t stream = 0, streams = 1;
+  // The gaps between messages of a stream are drawn, as those of many independent people are: as
+  // long as the mean on average, exponentially distributed. Else all messages of all streams are
+  // equally far apart, and streams take turns.
+  bool poisson = false;
+  std::uint64_t seed = 0;
+  // The first one is due at once: of streams that have their times to themselves.
+  bool alone = false;
+};
+
+// For one thread. The same shares give the same times.
+class Arrivals {
+ public:
+  Arrivals(std::shared_ptr<const RateProfile> profile, const ArrivalShare& share);
+
+  // When the next one is due, since the beginning of the profile; nothing at its end.
+  std::optional<Moment> next() const { return next_; }
+  // It is the turn of the one after it.
+  void Advance();
+
+ private:
+  void Find();
+
+  std::shared_ptr<const RateProfile> profile_;
+  ArrivalShare share_;
+  std::uint64_t number_ = 0;
+  double drawn_ = 0;  // of Poisson arrivals: where the next one is among the stream's own
+  std::optional<Moment> next_;
+};
 
 // Never.
 inline constexpr Moment kNever = Moment::max();
