@@ -2,17 +2,12 @@
 #include <string>
 #include <utility>
 
-#include "client/c/flat.h"
+#include "client/c/objects.h"
 
 namespace client = arap::client;
 
 namespace arap::c {
 namespace {
-
-Fault BadChoice(const std::string& field, const char* what, std::int32_t number) {
-  return Bad(field,
-             std::string("There ") + what + " with the number " + std::to_string(number) + ".");
-}
 
 Result<client::DrawingFormat> FormatOf(std::int32_t format, const std::string& field) {
   switch (format) {

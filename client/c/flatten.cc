@@ -1,7 +1,7 @@
 // Flattening for C, and what its jobs share with it.
 #include <utility>
 
-#include "client/c/flat.h"
+#include "client/c/objects.h"
 
 using arap::Status;
 using arap::c::Need;
@@ -22,8 +22,7 @@ Result<client::FlattenOptions> MethodOf(std::int32_t method) {
     case ARAP_FLATTEN_ABF:
       return client::AbfOptions();
     default:
-      return Fail(
-          Bad("method", "There is no method with the number " + std::to_string(method) + "."));
+      return Fail(BadChoice("method", "is no method", method));
   }
 }
 
@@ -38,8 +37,6 @@ Status FillCuts(const arap_flatten_options& given, client::FlattenOptions& optio
   options.cut.repair = RepairsOf(given.repairs);
   return {};
 }
-
-}  // namespace
 
 Result<client::FlattenQuery> QueryOf(const arap_flatten_options& given, std::size_t triangles) {
   client::FlattenQuery query;
@@ -75,6 +72,18 @@ Result<client::SurfaceMesh> SurfaceOf(const double* vertices, std::size_t vertex
   return mesh;
 }
 
+}  // namespace
+
+Result<FlattenWork> WorkOf(const double* vertices, std::size_t vertex_count,
+                           const std::uint32_t* triangles, std::size_t triangle_count,
+                           const arap_flatten_options* options) {
+  FlattenWork work;
+  TRY(work.mesh, SurfaceOf(vertices, vertex_count, triangles, triangle_count));
+  TRY(const auto given, OptionsOf(options, "options"));
+  TRY(work.query, QueryOf(given, triangle_count));
+  return work;
+}
+
 arap_flat* FlatOf(client::FlatSurface&& flat) {
   auto answer = std::make_unique<arap_flat>();
   answer->flat = std::move(flat.flat);
@@ -96,11 +105,10 @@ arap_error* arap_flatten(const arap_client* client, const double* vertices, size
   return arap::c::Guard([&]() -> Status {
     CHECK_OK(Need(client, "client"));
     CHECK_OK(Need(out, "out"));
-    TRY(const auto mesh, arap::c::SurfaceOf(vertices, vertex_count, triangles, triangle_count));
-    TRY(const auto given, arap::c::OptionsOf(options, "options"));
-    TRY(const auto query, arap::c::QueryOf(given, triangle_count));
+    TRY(const auto work,
+        arap::c::WorkOf(vertices, vertex_count, triangles, triangle_count, options));
     TRY(const auto calling, arap::c::CallOf(call));
-    TRY(auto flat, client->client.Flatten(mesh, query, calling));
+    TRY(auto flat, client->client.Flatten(work.mesh, work.query, calling));
     *out = arap::c::FlatOf(std::move(flat));
     return {};
   });

@@ -43,6 +43,11 @@ Fault Bad(std::string field, std::string message) {
   return Fault(FaultKind::kInvalidOption, std::move(message)).Field(std::move(field));
 }
 
+Fault BadChoice(std::string field, const char* what, std::int32_t number) {
+  return Bad(std::move(field),
+             std::string("There ") + what + " with the number " + std::to_string(number) + ".");
+}
+
 arap_error* NoMemory() noexcept { return kNoMemory; }
 
 arap_error* ErrorOf(Fault&& fault) noexcept {
@@ -121,7 +126,7 @@ Result<Basis> BasisOf(std::int32_t basis, Basis standard) {
     case ARAP_BASIS_VERTEX:
       return Basis::kVertex;
     default:
-      return Fail(Bad("basis", "There is no basis with the number " + std::to_string(basis) + "."));
+      return Fail(BadChoice("basis", "is no basis", basis));
   }
 }
 

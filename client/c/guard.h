@@ -37,6 +37,8 @@ namespace arap::c {
 
 // kInvalidOption with the parameter as the field.
 Fault Bad(std::string field, std::string message);
+// The same for a number that stands for nothing: BadChoice("mode", "is no mode", 7).
+Fault BadChoice(std::string field, const char* what, std::int32_t number);
 
 // The error of a fault; one that was made before where there is no memory for it.
 arap_error* ErrorOf(Fault&& fault) noexcept;

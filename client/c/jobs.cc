@@ -1,7 +1,7 @@
 // Flattening as a job for C.
 #include <utility>
 
-#include "client/c/flat.h"
+#include "client/c/objects.h"
 
 using arap::Status;
 using arap::c::CallOf;
@@ -61,11 +61,10 @@ arap_error* arap_submit_flatten(const arap_session* session, const char* job_id,
   return Guard([&]() -> Status {
     CHECK_OK(Need(session, "session"));
     TRY(const auto id, IdOf(job_id, "job_id"));
-    TRY(const auto mesh, arap::c::SurfaceOf(vertices, vertex_count, triangles, triangle_count));
-    TRY(const auto given, arap::c::OptionsOf(options, "options"));
-    TRY(const auto query, arap::c::QueryOf(given, triangle_count));
+    TRY(const auto work,
+        arap::c::WorkOf(vertices, vertex_count, triangles, triangle_count, options));
     TRY(const auto calling, CallOf(call));
-    TRY(auto job, session->session.SubmitFlatten(id, mesh, query, calling));
+    TRY(auto job, session->session.SubmitFlatten(id, work.mesh, work.query, calling));
     arap::c::Give(std::move(job), out);
     return {};
   });
@@ -99,11 +98,10 @@ arap_error* arap_job_result(const arap_session* session, const char* job_id, con
     CHECK_OK(Need(session, "session"));
     CHECK_OK(Need(out, "out"));
     TRY(const auto id, IdOf(job_id, "job_id"));
-    TRY(const auto mesh, arap::c::SurfaceOf(vertices, vertex_count, triangles, triangle_count));
-    TRY(const auto given, arap::c::OptionsOf(options, "options"));
-    TRY(const auto query, arap::c::QueryOf(given, triangle_count));
+    TRY(const auto work,
+        arap::c::WorkOf(vertices, vertex_count, triangles, triangle_count, options));
     TRY(const auto calling, CallOf(call));
-    TRY(auto flat, session->session.GetResult(id, mesh, query, calling));
+    TRY(auto flat, session->session.GetResult(id, work.mesh, work.query, calling));
     *out = arap::c::FlatOf(std::move(flat));
     return {};
   });

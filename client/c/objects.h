@@ -1,7 +1,9 @@
-// What is behind the pointers that C holds, and what sessions, shapes and streams take from C.
+// What is behind the pointers that C holds, and what sessions, shapes, streams, flattening and its
+// jobs take from C.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +23,16 @@ struct arap_session {
 struct arap_shape {
   arap::client::Shape shape;
 };
+struct arap_flat {
+  struct Drawing {
+    std::vector<arap::client::DrawingFile> files;
+    arap_warnings warnings;
+  };
+
+  arap::client::Flattening flat;
+  arap_warnings warnings;
+  std::vector<Drawing> drawings;
+};
 // NOLINTEND(readability-identifier-naming)
 
 namespace arap::c {
@@ -36,5 +48,18 @@ Result<std::vector<client::HandleTarget>> TargetsOf(const arap_target* targets, 
 Result<std::vector<std::string>> IdsOf(const char* const* ids, std::size_t count,
                                        const char* field);
 Result<client::ShapeOptions> ShapeOptionsOf(const arap_shape_options* options, const char* field);
+
+// A surface to lay flat, and how.
+struct FlattenWork {
+  client::SurfaceMesh mesh;
+  client::FlattenQuery query;
+};
+Result<FlattenWork> WorkOf(const double* vertices, std::size_t vertex_count,
+                           const std::uint32_t* triangles, std::size_t triangle_count,
+                           const arap_flatten_options* options);
+// The drawings and parts of a query.
+Status FillDrawings(const arap_flatten_options& given, client::FlattenQuery& query);
+// Belongs to the caller.
+arap_flat* FlatOf(client::FlatSurface&& flat);
 
 }  // namespace arap::c

@@ -45,8 +45,7 @@ Result<client::Handle> HandleOf(const arap_handle& given, const char* field, std
       handle.anchor = client::PointAnchor{{given.at[0], given.at[1]}};
       break;
     default:
-      return Fail(Bad(Member(field, index, "where"),
-                      "There is no place with the number " + std::to_string(given.where) + "."));
+      return Fail(BadChoice(Member(field, index, "where"), "is no place", given.where));
   }
   if (given.weight != 0) handle.weight = given.weight;
   handle.hard = given.hard != 0;
@@ -69,8 +68,7 @@ Result<client::EnergyOptions> EnergyOf(const arap_mesh_options& given, std::size
       energy.weights = client::Weights::kCotangent;
       break;
     default:
-      return Fail(Bad("weights", "There are no weights with the number " +
-                                     std::to_string(given.weights) + "."));
+      return Fail(BadChoice("weights", "are no weights", given.weights));
   }
   energy.rigidity = NumbersOf(given.rigidity, triangles);
   return energy;

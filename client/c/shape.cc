@@ -21,7 +21,7 @@ Result<client::DeformMode> ModeOf(std::int32_t mode) {
     case ARAP_MODE_BASELINE:
       return client::DeformMode::kBaseline;
     default:
-      return Fail(Bad("mode", "There is no mode with the number " + std::to_string(mode) + "."));
+      return Fail(BadChoice("mode", "is no mode", mode));
   }
 }
 
@@ -35,8 +35,7 @@ Result<client::PositionEncoding> EncodingOf(std::int32_t encoding) {
     case ARAP_INT16_LE:
       return client::PositionEncoding::kInt16Le;
     default:
-      return Fail(Bad("encoding",
-                      "There is no encoding with the number " + std::to_string(encoding) + "."));
+      return Fail(BadChoice("encoding", "is no encoding", encoding));
   }
 }
 

@@ -11,15 +11,12 @@
 #include <fmt/format.h>
 
 #include "arap/v1/deformation_service.pb.h"
-#include "arap/v1/flattening_service.pb.h"
 #include "arap/v1/server_service.pb.h"
-#include "client/src/drawing_answers.h"
+#include "client/src/answer_checks.h"
 #include "core/base/names.h"
 #include "core/base/plane.h"
 #include "core/base/try.h"
 #include "proto/convert/deform.h"
-#include "proto/convert/drawing.h"
-#include "proto/convert/flatten.h"
 #include "proto/convert/limits.h"
 #include "proto/convert/mesh.h"
 #include "proto/convert/plain.h"
@@ -29,50 +26,11 @@ namespace arap::client::internal {
 namespace {
 
 constexpr std::size_t kMostSessionsOfAPage = 1000;
-// A count that is an int in the model.
-constexpr auto kLargestInt = static_cast<std::uint32_t>(std::numeric_limits<int>::max());
-
-template <class... Arguments>
-auto Bad(fmt::format_string<Arguments...> sentence, Arguments&&... arguments) {
-  return Fail(BadAnswer(fmt::format(sentence, std::forward<Arguments>(arguments)...)));
-}
-
-bool IsFinite(Complex point) { return std::isfinite(point.real()) && std::isfinite(point.imag()); }
 
 // Far from 0 single precision would lose what lies between two floats: it is never asked for without
 // an origin.
 convert::PositionFormat FormatOf(const ShapeOptions& options) {
   return {options.float64, !options.float64, options.encoding};
-}
-
-Status CheckFinite(std::span<const Complex> points, const char* what) {
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!IsFinite(points[i])) return Bad("The server answered {} {} that is not finite.", what, i);
-  }
-  return {};
-}
-
-Status CheckNumbers(std::initializer_list<double> numbers, const char* what) {
-  const bool finite = std::all_of(numbers.begin(), numbers.end(),
-                                  [](double number) { return std::isfinite(number); });
-  if (!finite) return Bad("The server answered a number of {} that is not finite.", what);
-  return {};
-}
-
-// `what` says what there are so many of, `expected` of them being right.
-Status CheckCount(std::size_t count, std::size_t expected, const char* what) {
-  if (count == expected) return {};
-  return Bad("The server answered {} {}, not {}.", count, what, expected);
-}
-
-template <class Indices>
-Status CheckIndices(const Indices& indices, std::size_t limit, const char* what) {
-  for (const std::uint32_t index : indices) {
-    if (index >= limit) {
-      return Bad("The server answered {} {}, but there are only {}.", what, index, limit);
-    }
-  }
-  return {};
 }
 
 Status CheckId(const std::string& id, const std::string& asked, const char* what) {
@@ -100,80 +58,6 @@ Status CheckPick(const v1::PickResult& pick, std::optional<MeshSize> mesh) {
   return CheckNumbers({pick.rest().x(), pick.rest().y(), pick.barycentric(0), pick.barycentric(1),
                        pick.barycentric(2)},
                       "a pick");
-}
-
-Status CheckDistortion(const Distortion& d, std::size_t triangles) {
-  CHECK_OK(CheckNumbers({d.arap_energy, d.symmetric_dirichlet, d.area_ratio, d.mean_stretch_percent,
-                         d.max_stretch_percent, d.mean_compression_percent,
-                         d.max_compression_percent, d.mean_angle_degrees, d.max_angle_degrees},
-                        "a distortion"));
-  return CheckIndices(std::array{d.worst_triangle}, std::max<std::size_t>(triangles, 1),
-                      "triangle");
-}
-
-Status CheckChart(const FlatChart& chart, std::size_t positions, std::size_t triangles) {
-  for (const auto& loop : chart.loops) {
-    CHECK_OK(CheckIndices(loop, positions, "the flat position"));
-  }
-  CHECK_OK(CheckIndices(chart.anchors, positions, "the flat position"));
-  if (chart.triangles > triangles) {
-    return Bad("The server answered a chart of {} triangles; the mesh has {}.", chart.triangles,
-               triangles);
-  }
-  return CheckDistortion(chart.distortion, triangles);
-}
-
-// Each corner of the layout is a copy of its vertex in the mesh, or of the one that stands for it.
-Status CheckCorners(const Flattening& flat, const SurfaceMesh& mesh) {
-  for (std::size_t t = 0; t < flat.corner_uv.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t corner = flat.corner_uv[t][k];
-      const std::uint32_t v = mesh.triangles[t][k];
-      const std::uint32_t wanted = v < flat.welded.size() ? flat.welded[v] : v;
-      if (corner < flat.source.size() && flat.source[corner] == wanted) continue;
-      return Bad(
-          "The server answered a layout in which corner {} of triangle {} is not its vertex.", k,
-          t);
-    }
-  }
-  return {};
-}
-
-Status CheckLayout(const Flattening& flat, const SurfaceMesh& mesh, const FlattenQuery& query) {
-  const std::size_t vertices = mesh.vertices.size(), triangles = mesh.triangles.size();
-  if (flat.uv.size() < vertices) {
-    return Bad("The server answered {} flat positions for {} vertices.", flat.uv.size(), vertices);
-  }
-  const std::size_t positions = flat.uv.size();
-  CHECK_OK(CheckCount(flat.source.size(), positions, "vertices of flat positions"));
-  CHECK_OK(CheckIndices(flat.source, vertices, "vertex"));
-  for (std::uint32_t v = 0; v < vertices; ++v) {
-    if (flat.source[v] != v)
-      return Bad("The server answered flat position {} out of its place.", v);
-  }
-  const bool welded = query.options.cut.repair.weld && !flat.welded.empty();
-  CHECK_OK(CheckCount(flat.welded.size(), welded ? vertices : 0, "welded vertices"));
-  CHECK_OK(CheckIndices(flat.welded, vertices, "vertex"));
-  CHECK_OK(CheckCount(flat.corner_uv.size(), triangles, "flat triangles"));
-  CHECK_OK(CheckCorners(flat, mesh));
-  CHECK_OK(CheckFinite(flat.uv, "the flat position"));
-  CHECK_OK(CheckCount(flat.first_step.size(), query.first_step ? positions : 0,
-                      "positions after the first step"));
-  CHECK_OK(CheckFinite(flat.first_step, "the first step's position"));
-  CHECK_OK(CheckCount(flat.singular_values.size(), query.singular_values ? triangles : 0,
-                      "pairs of singular values"));
-  for (const auto& [s1, s2] : flat.singular_values) {
-    CHECK_OK(CheckNumbers({s1, s2}, "the singular values"));
-  }
-  CHECK_OK(CheckCount(flat.triangle_chart.size(), triangles, "triangles with a chart"));
-  CHECK_OK(CheckIndices(flat.triangle_chart, flat.charts.size(), "chart"));
-  for (const FlatChart& chart : flat.charts) CHECK_OK(CheckChart(chart, positions, triangles));
-  for (const auto& cut : flat.cuts) CHECK_OK(CheckIndices(cut, vertices, "vertex"));
-  if (flat.auto_cuts > flat.cuts.size()) {
-    return Bad("The server answered {} automatic cuts of {}.", flat.auto_cuts, flat.cuts.size());
-  }
-  CHECK_OK(CheckIndices(flat.degenerate, triangles, "triangle"));
-  return CheckDistortion(flat.distortion, triangles);
 }
 
 }  // namespace
@@ -370,31 +254,39 @@ ServerInfo FromWire(const v1::GetServerInfoResponse& response) {
   return out;
 }
 
-void ToWire(const SurfaceMesh& mesh, const FlattenQuery& query, v1::FlattenRequest* out) {
-  convert::ToWire(mesh, out->mutable_mesh());
-  convert::ToWire(query.options, out);
-  out->set_surface_key(query.surface_key);
-  out->set_include_first_step(query.first_step);
-  out->set_include_singular_values(query.singular_values);
-  out->set_float64(query.float64);
-  convert::ToWire(query.drawings, query.parts, out);
+void KnownSizes::Know(const std::string& mesh_id, MeshSize size) {
+  const MutexLock lock(&mutex_);
+  meshes_[mesh_id] = size;
 }
 
-Result<FlatSurface> FromWire(const v1::FlattenResponse& response, const SurfaceMesh& mesh,
-                             const FlattenQuery& query) {
-  const bool other = query.float64 ? response.uv_size() > 0 : response.uv64_size() > 0;
-  if (other) return Bad("The server answered a layout in another precision than was asked.");
-  for (const v1::FlatChart& chart : response.charts()) {
-    if (chart.refinements() > kLargestInt) {
-      return Bad("The server answered a chart of {} refinements.", chart.refinements());
-    }
-  }
-  TRY(Flattening flat, convert::FromWire(response));
-  CHECK_OK(CheckLayout(flat, mesh, query));
-  TRY(std::vector<Drawing> drawings, DrawingsFromWire(response, query));
-  return FlatSurface{std::move(flat), std::move(drawings), response.surface_cached(),
-                     convert::Micros(response.queue_time()),
-                     convert::Micros(response.solve_time())};
+void KnownSizes::Forget(const std::string& mesh_id) {
+  const MutexLock lock(&mutex_);
+  meshes_.erase(mesh_id);
+  std::erase_if(sets_, [&](const auto& set) { return set.second == mesh_id; });
+}
+
+void KnownSizes::KnowSet(const std::string& handle_set_id, const std::string& mesh_id) {
+  const MutexLock lock(&mutex_);
+  sets_[handle_set_id] = mesh_id;
+}
+
+void KnownSizes::ForgetSet(const std::string& handle_set_id) {
+  const MutexLock lock(&mutex_);
+  sets_.erase(handle_set_id);
+}
+
+std::optional<MeshSize> KnownSizes::OfSet(const std::string& handle_set_id) const {
+  const MutexLock lock(&mutex_);
+  const auto set = sets_.find(handle_set_id);
+  if (set == sets_.end()) return std::nullopt;
+  const auto mesh = meshes_.find(set->second);
+  return mesh == meshes_.end() ? std::nullopt : std::optional(mesh->second);
+}
+
+std::optional<MeshSize> KnownSizes::OfMesh(const std::string& mesh_id) const {
+  const MutexLock lock(&mutex_);
+  const auto mesh = meshes_.find(mesh_id);
+  return mesh == meshes_.end() ? std::nullopt : std::optional(mesh->second);
 }
 
 }  // namespace arap::client::internal

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,7 +17,7 @@
 
 #include "arap/base/result.h"
 #include "arap/client/client.h"
-#include "client/src/known_sizes.h"
+#include "core/base/mutex.h"
 
 namespace google::protobuf {
 template <typename Element>
@@ -36,6 +37,29 @@ class Shape;
 }  // namespace arap::v1
 
 namespace arap::client::internal {
+
+struct MeshSize {
+  std::size_t vertices = 0, triangles = 0;
+};
+
+// How large the meshes of a session are, as far as this side knows: because it has sent the mesh, or has
+// asked for it. Shapes are checked against that. Thread-safe. Shared by the copies of a Session and their streams.
+class KnownSizes {
+ public:
+  void Know(const std::string& mesh_id, MeshSize size);
+  void Forget(const std::string& mesh_id);
+  // Which mesh a handle set is on.
+  void KnowSet(const std::string& handle_set_id, const std::string& mesh_id);
+  void ForgetSet(const std::string& handle_set_id);
+  // Nothing for a set or mesh that was never seen.
+  std::optional<MeshSize> OfSet(const std::string& handle_set_id) const;
+  std::optional<MeshSize> OfMesh(const std::string& mesh_id) const;
+
+ private:
+  mutable Mutex mutex_;
+  std::map<std::string, MeshSize> meshes_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, std::string> sets_ ABSL_GUARDED_BY(mutex_);
+};
 
 // What a shape was asked to be.
 struct ShapeQuestion {
@@ -78,8 +102,9 @@ Result<SessionPage> FromWire(const v1::ListSessionsResponse& response, std::uint
                              const std::string& page_token);
 ServerInfo FromWire(const v1::GetServerInfoResponse& response);
 
+// Of surfaces laid flat: flatten_answers.cc.
 void ToWire(const SurfaceMesh& mesh, const FlattenQuery& query, v1::FlattenRequest* out);
-// A layout of that mesh with all that was asked for.
+// A layout of that mesh with all that was asked for, drawings too.
 Result<FlatSurface> FromWire(const v1::FlattenResponse& response, const SurfaceMesh& mesh,
                              const FlattenQuery& query);
 

@@ -1,12 +1,17 @@
 // Calls: what one is called by in the logs of the server and in traces, when it is made again, what
-// counts as lost, how long to wait, and the unary call that does so.
+// counts as lost, how long to wait, the unary call that does so, and what ends a call whose next
+// message does not come.
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include <grpcpp/client_context.h>
 #include <grpcpp/support/status.h>
@@ -93,5 +98,35 @@ Result<Response> Call(Stub& stub,
                   })
       .map([&] { return std::move(response); });
 }
+
+// Ends a call whose next message does not come. Has a thread of its own for as long as it lives.
+// `context` outlives it, and its call begins after it.
+class Impatience {
+ public:
+  // Cancels the call when nothing has come for `limit` while it was waited for.
+  Impatience(grpc::ClientContext& context, std::chrono::milliseconds limit);
+
+  // What `read` answers, which waits for a message or the end.
+  template <class Read>
+  bool Wait(const Read& read) {
+    SetWaiting(true);
+    const bool got = read();
+    SetWaiting(false);
+    return got;
+  }
+  // Whether it has cancelled the call. From any thread.
+  bool is_lost() const;
+
+ private:
+  void SetWaiting(bool waiting);
+
+  const std::chrono::milliseconds limit_;
+  mutable std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::uint64_t changes_ = 0;
+  bool waiting_ = false;
+  bool lost_ = false;
+  std::jthread watch_;  // last: it uses all of the above
+};
 
 }  // namespace arap::client::internal

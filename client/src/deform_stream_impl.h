@@ -12,7 +12,6 @@
 #include "client/src/awaited.h"
 #include "client/src/calls.h"
 #include "client/src/channel.h"
-#include "client/src/known_sizes.h"
 #include "client/src/replay_log.h"
 #include "client/src/stream_call.h"
 #include "core/base/mutex.h"

@@ -16,7 +16,6 @@
 #include "client/src/answers.h"
 #include "client/src/calls.h"
 #include "client/src/channel.h"
-#include "client/src/impatience.h"
 #include "core/base/names.h"
 #include "core/base/try.h"
 #include "proto/convert/plain.h"
