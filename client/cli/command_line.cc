@@ -10,14 +10,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "client/cli/examples.h"
 #include "client/cli/exit_code.h"
 #include "client/cli/help.h"
 #include "client/cli/reply.h"
 #include "client/cli/report.h"
 #include "client/cli/settings.h"
 #include "client/cli/shell/completion.h"
-#include "client/cli/suggest.h"
 #include "client/cli/terminal.h"
 
 namespace arap::cli {

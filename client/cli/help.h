@@ -1,7 +1,8 @@
-// The help of arapctl: what a command takes, as its help, its man page and the completion of shells show
-// it. All of them are made of the tree of CLI11.
+// The help of arapctl: what a command takes and examples of it, as its help, its man page and the
+// completion of shells show it. All of them are made of the tree of CLI11.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,5 +43,15 @@ class Help : public CLI::FormatterBase {
   std::string make_help(const CLI::App* command, std::string name,
                         CLI::AppFormatMode mode) const override;
 };
+
+struct Example {
+  std::string_view command;  // "token add"
+  std::string_view lines;    // command lines, each on its own, some with "  # what it is for"
+};
+
+std::span<const Example> Examples();
+
+// Puts them below the help of the commands under `app`.
+void AddExamples(CLI::App& app);
 
 }  // namespace arap::cli

@@ -37,7 +37,8 @@ void AddJson(CLI::App& command, bool& json);
 // the command began as "warnings" unless it has some. Answers the exit code.
 int Finish(const Result<Reply>& reply, bool json);
 
-// As SetAction, for an action that answers. `Options` has a member `json`, which is set by --json.
+// When `command` is chosen, `run` does `action` with the options as they were parsed, and prints what it
+// answers. `Options` has a member `json`, which is set by --json.
 template <class Options>
 void SetReply(CLI::App& command, Run& run, std::shared_ptr<Options> options,
               Result<Reply> (*action)(const Options&)) {

@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/report.h"
-#include "client/cli/suggest.h"
+#include "client/cli/shell/completion.h"
 #include "core/base/try.h"
 #include "core/files/text_file.h"
 

@@ -10,13 +10,11 @@
 #include <gmock/gmock.h>
 
 #include "client/cli/command_line.h"
-#include "client/cli/examples.h"
 #include "client/cli/exit_code.h"
 #include "client/cli/help.h"
 #include "client/cli/settings.h"
 #include "client/cli/shell/completion.h"
 #include "client/cli/shell/manual.h"
-#include "client/cli/suggest.h"
 #include "client/cli/terminal.h"
 
 namespace arap::cli {

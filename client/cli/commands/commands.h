@@ -2,9 +2,7 @@
 // was chosen, `run` holds its work, which answers the exit code.
 #pragma once
 
-#include <charconv>
 #include <chrono>
-#include <cmath>
 #include <functional>
 #include <map>
 #include <memory>
@@ -12,12 +10,11 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
 
 #include "arap/model/energy.h"
 #include "arap/model/repair.h"
+#include "client/cli/connect/connection.h"
 #include "client/cli/report.h"
-#include "core/files/text_file.h"
 
 namespace arap::cli {
 
@@ -46,14 +43,6 @@ void AddFigures(CLI::App& app, Run& run);
 // help, completion and man. `app` has to be there when they run.
 void AddShellCommands(CLI::App& app, Run& run, const std::string& version);
 
-// When `command` is chosen, `run` does `action` with the options as they were parsed.
-template <class Options>
-void SetAction(CLI::App& command, Run& run, std::shared_ptr<Options> options,
-               Status (*action)(const Options&)) {
-  command.callback(
-      [&run, options, action] { run = [options, action] { return ExitCode(action(*options)); }; });
-}
-
 // An option whose values have names. Its help lists the names alone, not the numbers that they
 // stand for.
 template <class Value, class Variable>
@@ -67,53 +56,43 @@ CLI::Option* AddChoice(CLI::App& command, const std::string& flag, Variable& val
 }
 
 // Numbers in a range. Unlike CLI::Range it does not take NaN for a number between.
-inline CLI::Validator Between(double low, double high) {
-  return CLI::Validator(
-      [low, high](std::string& text) -> std::string {
-        double number = 0;
-        const char* const end = text.data() + text.size();
-        const auto [stop, error] = std::from_chars(text.data(), end, number);
-        if (error == std::errc() && stop == end && number >= low && number <= high) return {};
-        return fmt::format("{} is not a number from {} to {}", text, low, high);
-      },
-      "");
-}
+CLI::Validator Between(double low, double high);
 // A number above 0.
-inline CLI::Validator Positive() { return Between(1e-9, 1e9); }
+CLI::Validator Positive();
 
 // A file to write. That it can be written is known before there is anything to write: a folder that is
 // missing or not ours is a wrong command line. "-" is standard output, for one of them.
-inline CLI::Option* AddOutput(CLI::App& command, const std::string& flag, std::string& path,
-                              const std::string& help, const std::string& text) {
-  return command.add_option(flag, path, help)
-      ->check(CLI::Validator(
-          [flag](std::string& name) {
-            if (name == kStandardStream) {
-              return TakeStandardOutput(flag) ? std::string()
-                                              : "standard output is for another option already";
-            }
-            const Status writable = CheckWritable(name);
-            return writable ? std::string() : writable.error().message;
-          },
-          ""))
-      ->option_text(text);
-}
+CLI::Option* AddOutput(CLI::App& command, const std::string& flag, std::string& path,
+                       const std::string& help, const std::string& text);
 
 // --timeout: how long to wait for the server to send something new.
 struct Timeout {
   double seconds = 600;
 
-  std::chrono::milliseconds value() const {
-    return std::chrono::milliseconds(std::llround(std::ceil(seconds * 1000)));
-  }
+  std::chrono::milliseconds value() const;
 };
-inline void AddTimeout(CLI::App& command, Timeout& timeout) {
-  command
-      .add_option("--timeout", timeout.seconds,
-                  "give up when the server has sent nothing new for so many seconds; default 600")
-      ->check(Positive())
-      ->option_text("SECONDS");
-}
+void AddTimeout(CLI::App& command, Timeout& timeout);
+
+// What the commands on things of a server have in common: which server, whose session, what is named.
+struct NamedOptions {
+  ServerFlags server;
+  Timeout timeout;
+  bool json = false;
+  std::string name;  // "SESSION", or "SESSION/NAME"
+
+  std::string session() const { return name.substr(0, name.find('/')); }
+  // Empty without one.
+  std::string part() const {
+    const std::size_t slash = name.find('/');
+    return slash == std::string::npos ? std::string() : name.substr(slash + 1);
+  }
+  client::CallOptions call() const { return {timeout.value()}; }
+};
+
+// The server and the timeout, and where `shape` is not empty the name: "SESSION", "SESSION/MESH" or
+// "SESSION/[MESH]", whose second part may be left out.
+void AddNamed(CLI::App& command, NamedOptions& options, const std::string& shape,
+              const std::string& help);
 
 // --basis; surfaces have no vertex basis.
 template <class Variable>

@@ -1,12 +1,15 @@
 // arapctl flatten: a surface laid flat, true to size.
+#include <algorithm>
+#include <cstddef>
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/commands/draw_flat.h"
 #include "client/cli/commands/flatten_flags.h"
 #include "client/cli/commands/flatten_report.h"
 #include "client/cli/commands/lay_flat.h"
@@ -23,6 +26,93 @@
 
 namespace arap::cli {
 namespace {
+
+// A file that is asked for, and what it is to be like.
+struct Wanted {
+  std::string path;
+  DrawingOptions options;
+};
+
+std::vector<Wanted> WantedOf(const DrawingFlags& flags) {
+  std::vector<Wanted> wanted;
+  const auto add = [&](const std::string& path, DrawingFormat format) {
+    if (path.empty()) return;
+    Wanted& file = wanted.emplace_back(Wanted{path, flags.options});
+    file.options.format = format;
+    if (format != DrawingFormat::kDxf) return;
+    file.options.interior = false;
+    file.options.paper.clear();
+  };
+  add(flags.pdf, DrawingFormat::kPdf);
+  add(flags.dxf, DrawingFormat::kDxf);
+  add(flags.svg, DrawingFormat::kSvg);
+  return wanted;
+}
+
+// "a.svg" and "cover" make "a-cover.svg".
+std::string PathOf(const std::string& path, const std::string& page) {
+  if (page.empty()) return path;
+  std::size_t dot = path.rfind('.');
+  if (dot == std::string::npos || path.find('/', dot) != std::string::npos) dot = path.size();
+  return path.substr(0, dot) + "-" + page + path.substr(dot);
+}
+
+// What can be said before there is a layout: kInvalidOption for options that do not go together.
+Status CheckDrawings(const DrawingFlags& flags) {
+  for (const Wanted& file : WantedOf(flags)) CHECK_OK(CheckDrawing(file.options));
+  return {};
+}
+
+// What the file calls its parts: by object where it has several, else by group, else by its one
+// object. Empty where nothing has a name.
+std::vector<NamedPart> PartsOf(const SurfaceFile& file) {
+  bool groups = false, objects = false, several = false;
+  for (const SurfacePart& part : file.parts) {
+    groups = groups || !file.names[part.group].empty();
+    objects = objects || !file.names[part.object].empty();
+    several = several || file.names[part.object] != file.names[file.parts.front().object];
+  }
+  if (!groups && !objects) return {};
+  const bool by_object = several || !groups;
+  std::vector<NamedPart> parts;
+  for (const SurfacePart& part : file.parts) {
+    const std::uint32_t first = file.first_triangle[part.first_face];
+    const std::string& name = file.names[by_object ? part.object : part.group];
+    if (first >= file.mesh.triangles.size()) break;
+    // A part whose faces have come to nothing gives way to the next.
+    if (!parts.empty() && parts.back().first_triangle == first) parts.pop_back();
+    if (parts.empty() || parts.back().name != name) parts.push_back({first, name});
+  }
+  return parts;
+}
+
+// Warnings of names that the files which are asked for cannot show.
+std::vector<Warning> NameWarningsOf(const DrawingFlags& flags, const Pattern& pattern) {
+  std::vector<Warning> warnings;
+  for (const Wanted& file : WantedOf(flags)) {
+    for (Warning& warning : NameWarnings(pattern, file.options.format)) {
+      warnings.push_back(std::move(warning));
+    }
+  }
+  return warnings;
+}
+
+// Writes what --svg, --dxf and --pdf ask for. With --paper an SVG is a file per page: "a.svg" is
+// a-cover.svg, a-1.svg, a-2.svg, … `caption` goes under the colours. kInvalidOption for what paper
+// or PDF cannot hold; kInternal with the path when a file cannot be written.
+Status WriteDrawings(const DrawingFlags& flags, const Pattern& pattern,
+                     const std::vector<std::string>& caption) {
+  // What can be refused is made before anything is written.
+  std::vector<std::pair<std::string, std::string>> texts;
+  for (const Wanted& file : WantedOf(flags)) {
+    TRY(std::vector<DrawingFile> files, FilesOf(pattern, file.options, caption));
+    for (DrawingFile& page : files) {
+      texts.emplace_back(PathOf(file.path, page.page), std::move(page.bytes));
+    }
+  }
+  for (const auto& [path, text] : texts) CHECK_OK(WriteTextFile(path, text));
+  return {};
+}
 
 // The surface with its layout, as --out and --vt want it.
 Status WriteSurface(const FlattenFlags& flags, const SurfaceFile& file, const Flattening& flat,

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/commands/named.h"
 #include "client/cli/commands/own_words.h"
+#include "client/cli/reply.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
 #include "core/files/mesh_file.h"

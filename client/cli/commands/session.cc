@@ -11,7 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "client/cli/commands/commands.h"
-#include "client/cli/commands/named.h"
+#include "client/cli/reply.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
 

@@ -1,5 +1,5 @@
-// Completion in shells. The scripts are small and ask arapctl itself (`arapctl __complete -- WORD…`), so
-// that they never know other commands and options than it has.
+// What may stand for a word: for one that is not finished, as shells ask, and for one that was
+// mistyped.
 #pragma once
 
 #include <span>
@@ -33,5 +33,16 @@ std::string FormatCandidates(const Candidates& candidates);
 
 // The script for "bash", "zsh" or "fish"; empty for another shell.
 std::string_view CompletionScript(std::string_view shell);
+
+// The least number of letters to insert, remove, change or swap with their neighbour that makes one word
+// the other; case does not count. O(|a| |b|).
+std::size_t Slips(std::string_view a, std::string_view b);
+
+// The names that are nearest to a word, in their order: those that it is the beginning of, else those
+// that few slips for its length make of it. Empty when nothing is near.
+std::vector<std::string> Nearest(std::string_view word, const std::vector<std::string>& names);
+
+// "; did you mean --server?", "; did you mean a, b or c?", or empty.
+std::string DidYouMean(std::string_view word, const std::vector<std::string>& names);
 
 }  // namespace arap::cli
