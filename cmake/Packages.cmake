@@ -3,19 +3,25 @@
 set(packaging ${PROJECT_SOURCE_DIR}/cmake/debian)
 include(${packaging}/identity.cmake)
 
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+# They stand on Debian 12's libraries.
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1~deb12)
+
 # What only a package has, at places of the system: not for `cmake --install`. One component per package.
-# arap_package_files(component package): copyright and changelog.
+# arap_package_files(component package): copyright and changelogs.
 configure_file(${packaging}/changelog.in ${PROJECT_BINARY_DIR}/changelog.Debian @ONLY)
-execute_process(COMMAND gzip -9nf ${PROJECT_BINARY_DIR}/changelog.Debian)
 function(arap_package_files component package)
-  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION /usr/share/doc/${package} RENAME copyright
-    COMPONENT ${component} EXCLUDE_FROM_ALL)
-  install(FILES ${PROJECT_BINARY_DIR}/changelog.Debian.gz DESTINATION /usr/share/doc/${package}
+  set(folder /usr/share/doc/${package})
+  install(FILES LICENSE DESTINATION ${folder} RENAME copyright COMPONENT ${component} EXCLUDE_FROM_ALL)
+  install(FILES CHANGELOG.md DESTINATION ${folder} RENAME changelog COMPONENT ${component} EXCLUDE_FROM_ALL)
+  install(FILES ${PROJECT_BINARY_DIR}/changelog.Debian DESTINATION ${folder}
     COMPONENT ${component} EXCLUDE_FROM_ALL)
 endfunction()
 arap_package_files(arapd-deb arapd)
 arap_package_files(arapctl-deb arapctl)
 arap_package_files(client-deb libarap-client-dev)
+install(FILES ${packaging}/libarap-client-dev.lintian-overrides DESTINATION /usr/share/lintian/overrides
+  RENAME libarap-client-dev COMPONENT client-deb EXCLUDE_FROM_ALL)
 install(FILES ${packaging}/arapd.service DESTINATION /lib/systemd/system
   COMPONENT arapd-deb EXCLUDE_FROM_ALL)
 install(FILES ${packaging}/arapd.sysusers DESTINATION /usr/lib/sysusers.d RENAME arapd.conf
@@ -26,13 +32,13 @@ install(FILES docs/operations.md docker/alerts.yaml docker/grafana-dashboard.jso
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME arapd)
-set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_VENDOR "${ARAP_VENDOR}")
-set(CPACK_PACKAGE_CONTACT "${ARAP_MAINTAINER}")
+set(CPACK_PACKAGE_CONTACT "${ARAP_PACKAGE_MAINTAINER}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_DEBIAN_PACKAGE_HOMEPAGE "${ARAP_HOMEPAGE}")
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_STRIP_FILES ON)
+set(CPACK_PRE_BUILD_SCRIPTS ${packaging}/pack.cmake)
 # Files at absolute places go into the package and not onto this machine.
 set(CPACK_SET_DESTDIR ON)
 set(CPACK_INSTALL_PREFIX /usr)
@@ -43,7 +49,6 @@ set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
 set(CPACK_COMPONENTS_ALL arapd arapd-deb arapctl arapctl-deb base client client-deb)
 
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_COMPRESSION_TYPE gzip)
 
@@ -68,9 +73,9 @@ set(CPACK_DEBIAN_CONTROL_PACKAGE_SECTION net)
 set(CPACK_DEBIAN_CONTROL_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_CONTROL_PACKAGE_SUGGESTS arapd)
 set(CPACK_COMPONENT_CONTROL_DESCRIPTION
-"This is the command line client of arapd. It bends and flattens meshes of OBJ
-and OFF files, draws patterns as SVG, DXF and PDF, makes meshes of images, and
-measures servers.")
+"This is the command line client of arapd. It bends and flattens meshes in
+files of many formats, draws patterns as SVG, DXF and PDF, makes meshes of
+images, and measures servers.")
 
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libarap-client-dev)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
