@@ -22,15 +22,16 @@ export class Detail {
     this.#again = again;
   }
 
-  /**
-   * For the picture that is drawn now, so that no empty canvas is seen between; in CSS pixels. `drags`: it
-   * may be coarser.
-   */
+  /** Whether the canvas has other pixels than it is to have now, in CSS pixels. `drags`: they may be fewer. */
+  isOff(width: number, height: number, drags: boolean): boolean {
+    const [w, h] = sizeOf(width, height, drags && !this.#rests ? parts[this.#step] : 1);
+    return this.#canvas.width !== w || this.#canvas.height !== h;
+  }
+
+  /** For the picture that is drawn now, so that no empty canvas is seen between. */
   resize(width: number, height: number, drags: boolean, now = performance.now()): void {
-    let ratio = Math.min(2, devicePixelRatio);
-    if (drags && !this.#rests) ratio *= this.#part(now);
+    const [w, h] = sizeOf(width, height, drags && !this.#rests ? this.#part(now) : 1);
     this.#rests = false;
-    const [w, h] = [width, height].map((length) => Math.max(1, Math.round(length * ratio)));
     if (this.#canvas.width !== w) this.#canvas.width = w;
     if (this.#canvas.height !== h) this.#canvas.height = h;
   }
@@ -54,3 +55,8 @@ export class Detail {
     return parts[this.#step];
   }
 }
+
+const sizeOf = (width: number, height: number, part: number): number[] =>
+  [width, height].map((length) =>
+    Math.max(1, Math.round(length * part * Math.min(2, devicePixelRatio))),
+  );

@@ -43,6 +43,8 @@ export class Stage {
   /** Draws nothing, to measure the rest of the way. */
   blind = false;
   readonly #detail: Detail;
+  /** What the canvas shows. */
+  #scene: unknown[] = [];
 
   constructor(studio: Studio, takes: Takes) {
     this.#studio = studio;
@@ -138,24 +140,31 @@ export class Stage {
     const frame = film && this.#takes.frame;
     const filmed = film && frame !== undefined && film.take.body.triangles === body.triangles;
     const shape = filmed ? film.shapes[frame] : this.#studio.shape;
-    if (shape.length === body.picture.length && !this.blind) {
-      const { looks } = this.#studio;
-      this.#detail.resize(width, height, this.#drags.size > 0 && !this.#painter.isFast);
+    const { looks, flipped, trail } = this.#studio;
+    const order = filmed ? film.order : this.#studio.drawOrder;
+    const { x, y, zoom } = this.#camera;
+    const scene = [figure, body, shape, order, looks, flipped, trail, puppet.starch, x, y, zoom];
+    const coarse = this.#drags.size > 0 && !this.#painter.isFast;
+    // While pins have moved and their shape has not come, the canvas stays: it would cost as much as a new one.
+    const isNew =
+      scene.some((part, i) => part !== this.#scene[i]) || this.#detail.isOff(width, height, coarse);
+    if (isNew && shape.length === body.picture.length && !this.blind) {
+      this.#scene = scene;
+      this.#detail.resize(width, height, coarse);
       this.#painter.body(body);
       const ghosts = looks.onion
         ? [
             { shape: body.rest, strength: 0.22 },
-            ...(filmed
-              ? []
-              : this.#studio.trail.filter((pose) => pose.length === shape.length)
-            ).map((pose, i) => ({ shape: pose, strength: 0.08 + 0.05 * i })),
+            ...(filmed ? [] : trail.filter((pose) => pose.length === shape.length)).map(
+              (pose, i) => ({ shape: pose, strength: 0.08 + 0.05 * i }),
+            ),
           ]
         : [];
       this.#painter.paint(
         {
           camera: this.#camera,
           shape,
-          order: filmed ? film.order : this.#studio.drawOrder,
+          order,
           ghosts,
           layers: layersOf(this.#studio, filmed === true),
           wire: looks.wire ? [0.05, 0.07, 0.1] : null,
