@@ -343,7 +343,7 @@ test("the unit is asked for where the size looks wrong", async () => {
   await notice.getByText("0.2 mm").first().waitFor();
   await notice.getByRole("button", { name: "metres: 200 mm" }).click();
   await page.until("shop.pattern.millimetresPerUnit === 1000");
-  assert.equal(await notice.isVisible(), false);
+  await notice.waitFor({ state: "hidden" });
   await page.tab("Save");
   await page.page.getByLabel("Seam allowance").fill("0");
   await page.page.getByLabel("Seam allowance").blur();
