@@ -46,6 +46,38 @@ void UseOneBlasThread() {
   });
 }
 
+// While it lives OpenMP's parallel regions that this thread enters have one thread. CHOLMOD has such
+// regions, too small to gain by them, and the threads that it wakes would wait for more work at full
+// speed: a factorisation took twice its processor time. What the caller has set comes back.
+class NoOpenMp {
+ public:
+  NoOpenMp() {
+    if (!Calls().set || !Calls().get) return;
+    before_ = Calls().get();
+    Calls().set(0);
+  }
+  ~NoOpenMp() {
+    if (Calls().set && Calls().get) Calls().set(before_);
+  }
+  NoOpenMp(const NoOpenMp&) = delete;
+  NoOpenMp& operator=(const NoOpenMp&) = delete;
+
+ private:
+  struct Functions {
+    void (*set)(int);
+    int (*get)();
+  };
+  // Not every CHOLMOD is built with OpenMP, so they are looked up.
+  static const Functions& Calls() {
+    static const Functions kCalls{
+        reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels")),
+        reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, "omp_get_max_active_levels"))};
+    return kCalls;
+  }
+
+  int before_ = 0;
+};
+
 // While it lives numbers below 1e-308 are 0. The processor takes far longer for them, and a firm soft
 // area makes many: the factorisation would take twice its time.
 class NoDenormals {
@@ -261,6 +293,7 @@ Result<std::unique_ptr<Factor<Scalar>>> Factor<Scalar>::Analyse(
   common->nmethods = 1;
   common->method[0].ordering = order.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
   cholmod_sparse matrix = View(lower);
+  const NoOpenMp alone;
   // cholmod_analyze_p does not write to the permutation.
   int* given = order.empty() ? nullptr : const_cast<int*>(order.data());
   data->factor = cholmod_analyze_p(&matrix, given, nullptr, 0, common);
@@ -279,6 +312,7 @@ Status Factor<Scalar>::Again(const Eigen::SparseMatrix<Scalar>& lower) {
   cholmod_sparse matrix = View(lower);
   {
     [[maybe_unused]] const NoDenormals none;
+    const NoOpenMp alone;
     cholmod_factorize(&matrix, data_->factor, common);
   }
   times_.numbers = timer.Lap();
@@ -326,6 +360,7 @@ Result<std::span<const Scalar>> Factor<Scalar>::Solve(std::span<const Scalar> ri
   view.xtype = kXtype<Scalar>;
   view.dtype = CHOLMOD_DOUBLE;
   if (!data_->factor->is_super) RestoreShape(buffers.y, size());
+  const NoOpenMp alone;
   const int ok = cholmod_solve2(CHOLMOD_A, data_->factor, &view, nullptr, &buffers.x, nullptr,
                                 &buffers.y, &buffers.e, scratch.common.get());
   if (!ok) return Fail(FaultOf(scratch.common.get()->status, "Solving for", size()));

@@ -1,6 +1,7 @@
 // The CHOLMOD room against dense Eigen, in both layouts, real and complex.
 #include "core/sparse/factor.h"
 
+#include <filesystem>
 #include <random>
 #include <vector>
 
@@ -35,6 +36,39 @@ template <class Scalar>
 class FactorTest : public ::testing::Test {};
 using Scalars = ::testing::Types<double, std::complex<double>>;
 TYPED_TEST_SUITE(FactorTest, Scalars);
+
+std::size_t Threads() {
+  std::size_t count = 0;
+  for ([[maybe_unused]] const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    ++count;
+  }
+  return count;
+}
+
+// Nobody's threads but the caller's: what a factor costs is told by its own clock, and nothing waits
+// for more work at full speed.
+TYPED_TEST(FactorTest, WakesNoThread) {
+  using Scalar = TypeParam;
+  if (!std::filesystem::exists("/proc/self/task")) GTEST_SKIP() << "The system does not tell.";
+  constexpr int kSide = 60;
+  Eigen::SparseMatrix<Scalar> lower(kSide * kSide, kSide * kSide);
+  for (int i = 0; i < kSide * kSide; ++i) {
+    lower.insert(i, i) = Scalar(4.1);
+    if (i % kSide + 1 < kSide) lower.insert(i + 1, i) = Scalar(-1);
+    if (i + kSide < kSide * kSide) lower.insert(i + kSide, i) = Scalar(-1);
+  }
+  lower.makeCompressed();
+  const std::size_t before = Threads();
+  for (const FactorLayout layout :
+       {FactorLayout::kSupernodal, FactorLayout::kSimplicial, FactorLayout::kPacked}) {
+    const auto factor = Factor<Scalar>::Make(lower, layout);
+    ASSERT_TRUE(factor.has_value()) << factor.error().message;
+    Workspace workspace;
+    const std::vector<Scalar> right(8 * kSide * kSide, Scalar(1));
+    ASSERT_TRUE((*factor)->Solve(right, 8, workspace).has_value());
+    EXPECT_EQ(Threads(), before);
+  }
+}
 
 TYPED_TEST(FactorTest, SolvesLikeADenseFactorisation) {
   using Scalar = TypeParam;
