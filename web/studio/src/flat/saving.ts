@@ -178,9 +178,9 @@ export function saveTab(shop: Workshop): Tab {
       h(
         "section",
         { class: "saves" },
+        h("div", { class: "row" }, working, cancel),
         ...kinds.flatMap((kind, i) => [buttons[i], h("p", { class: "hint" }, save.hints[kind])]),
       ),
-      h("div", { class: "row" }, working, cancel),
       warnings,
     ),
     sync() {

@@ -9,7 +9,7 @@ import { emptyPattern, isUnlikely, withPin, withoutPin } from "./pattern.js";
 import type { Grain, Pattern } from "./pattern.js";
 import { samples } from "./samples.js";
 import { loopThrough, shortestPath, toggled } from "./seams.js";
-import { extentOf, isBorder, nearestEdge, nearestVertex, otherEnd } from "./surface.js";
+import { extentOf, isBorder, isOnBorder, nearestEdge, nearestVertex, otherEnd } from "./surface.js";
 import type { Edges, Hit, Surface } from "./surface.js";
 
 export type Tool = "look" | "edge" | "loop" | "path" | "pin" | "grain";
@@ -196,7 +196,9 @@ export class Workshop {
       }
       const path = shortestPath(edges, from, point);
       if (path.length === 0) return this.say(words.flat.said.noPath, true);
-      this.looks = { ...this.looks, from: point, preview: [] };
+      // At the border it has ended; elsewhere it goes on.
+      const next = isOnBorder(edges, point) ? null : point;
+      this.looks = { ...this.looks, from: next, preview: [], near: null };
       const inside = path.filter((one) => !isBorder(edges, one));
       if (inside.length === 0) return this.say(words.flat.said.border, true);
       this.seam(inside);

@@ -47,7 +47,7 @@ export const flat = {
     look: "Drag to turn the model. Click a triangle to see its piece and its strain.",
     edge: "Click an edge to cut there; click it again to close the seam.",
     loop: "Click an edge: the seam goes on straight both ways, to the border or around.",
-    path: "Click where the seam begins, then where it ends: it takes the shortest way. Drag to turn the model; Escape leaves off.",
+    path: "Click where the seam begins, then where it ends. Drag to turn the model; Escape leaves off.",
     pin: "Click a corner to hold it where it lies in the layout, then drag it there.",
     grain: "Click two corners: the line from the first to the second runs as the threads do.",
   },
@@ -125,7 +125,7 @@ export const flat = {
   },
   save: {
     print: "How it is printed",
-    paper: "On",
+    paper: "Print on",
     papers: {
       "": "one large sheet",
       A4: "A4 pages, to join",
@@ -139,7 +139,7 @@ export const flat = {
     cornerKinds: { mitre: "pointed", square: "cut off", round: "round" },
     notches: "Mark which seams belong together",
     plain: "Lines only, no colours or names",
-    hint: "Print at 100 % (“actual size”), then measure the test line.",
+    hint: "Print at 100 % (“actual size”), then measure the square on the cover, or the line beside the colours.",
     formats: { pdf: "Save PDF", svg: "Save SVG", dxf: "Save DXF", obj: "Save OBJ" },
     hints: {
       pdf: "To print. For a printer at home choose A4 or Letter pages above.",

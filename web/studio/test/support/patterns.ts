@@ -7,9 +7,12 @@ import type { Stack } from "./stack.js";
 import { Visit } from "./stack.js";
 
 export class Patterns extends Visit {
-  /** Waits until the layout is that of the document. */
-  settle(): Promise<void> {
-    return this.until("shop.isSettled");
+  /** Waits until the layout is that of the document, and the views show it. */
+  async settle(): Promise<void> {
+    await this.until("shop.isSettled");
+    await this.ask(
+      "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(null))))",
+    );
   }
 
   async upload(name: string, content: string | Buffer): Promise<void> {
