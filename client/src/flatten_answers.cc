@@ -9,7 +9,6 @@
 #include "arap/v1/flattening_service.pb.h"
 #include "client/src/answer_checks.h"
 #include "core/base/try.h"
-#include "proto/convert/drawing.h"
 #include "proto/convert/flatten.h"
 #include "proto/convert/mesh.h"
 #include "proto/convert/plain.h"

@@ -1,5 +1,4 @@
-#include "core/drawing/allowance.h"
-
+// The seam allowance: a closed curve at a distance round a piece.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -9,6 +8,7 @@
 #include <clipper.hpp>
 
 #include "core/base/try.h"
+#include "core/drawing/pattern_steps.h"
 #include "core/outline/offset.h"
 
 namespace arap {

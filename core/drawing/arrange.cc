@@ -1,5 +1,4 @@
-#include "core/drawing/arrange.h"
-
+// Where the pieces of a pattern lie.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -13,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
+#include "core/drawing/pattern_steps.h"
 
 namespace arap {
 namespace {

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/plane.h"
 #include "core/drawing/svg.h"
 
 namespace arap {
@@ -111,18 +112,9 @@ std::vector<Polygon> DarkParts(const Polygon& triangle) {
 }
 
 std::string PolygonData(const Polygon& polygon, const View& view) {
-  std::string out;
-  long x = 0, y = 0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const long next_x = view.X(polygon[i].seen.real());
-    const long next_y = view.Y(polygon[i].seen.imag());
-    const long dx = next_x - x, dy = next_y - y;
-    const char* const lead = i == 0 ? "M" : i == 1 ? "l" : dx < 0 ? "" : " ";
-    fmt::format_to(std::back_inserter(out), "{}{}{}{}", lead, dx, dy < 0 ? "" : " ", dy);
-    x = next_x;
-    y = next_y;
-  }
-  return out + "z";
+  std::vector<Complex> points;
+  for (const Corner& corner : polygon) points.push_back(corner.seen);
+  return PathData(points, /*closed=*/true, view);
 }
 
 // The unit normal of a triangle in the picture: right, up, towards the eye.
@@ -238,14 +230,6 @@ std::vector<Complex> Turned(const Flattening& flat, const FrontView& front) {
   std::vector<Complex> uv;
   for (const Complex p : flat.uv) uv.push_back(turn * p);
   return uv;
-}
-
-Bounds BoundsOf(std::span<const Complex> points, std::span<const Triangle> used) {
-  Bounds bounds;
-  for (const Triangle& t : used) {
-    for (const std::uint32_t i : t) bounds.Add(points[i]);
-  }
-  return bounds;
 }
 
 // Wider and higher on all sides, so that a view of it has the scale of every other.

@@ -8,11 +8,9 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
-#include "core/drawing/dxf.h"
-#include "core/drawing/pattern_sheet.h"
-#include "core/drawing/pdf.h"
-#include "core/drawing/summary.h"
-#include "core/drawing/tiling.h"
+#include "core/drawing/captions.h"
+#include "core/drawing/page.h"
+#include "core/drawing/pattern_files.h"
 
 namespace arap {
 namespace {

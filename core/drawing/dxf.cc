@@ -1,5 +1,4 @@
-#include "core/drawing/dxf.h"
-
+// The DXF of a pattern.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -12,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "core/base/code_point.h"
+#include "core/drawing/pattern_files.h"
 
 namespace arap {
 namespace {

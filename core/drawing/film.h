@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "arap/model/mesh.h"
-#include "core/drawing/outline.h"
+#include "core/base/plane.h"
 
 namespace arap {
 

@@ -1,5 +1,4 @@
-#include "core/drawing/notches.h"
-
+// Notches: marks that pair the two sides of every seam.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -9,6 +8,8 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "core/drawing/pattern_steps.h"
 
 namespace arap {
 namespace {

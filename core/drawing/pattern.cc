@@ -12,9 +12,7 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
-#include "core/drawing/allowance.h"
-#include "core/drawing/arrange.h"
-#include "core/drawing/notches.h"
+#include "core/drawing/pattern_steps.h"
 
 namespace arap {
 namespace {

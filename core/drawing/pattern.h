@@ -12,7 +12,7 @@
 #include "arap/base/result.h"
 #include "arap/model/drawing.h"
 #include "arap/model/flatten.h"
-#include "core/drawing/outline.h"
+#include "core/base/plane.h"
 
 namespace arap {
 

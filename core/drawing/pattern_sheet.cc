@@ -1,5 +1,4 @@
-#include "core/drawing/pattern_sheet.h"
-
+// The SVG of a pattern.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/drawing/pattern_files.h"
 #include "core/drawing/svg.h"
 
 namespace arap {
@@ -117,10 +117,7 @@ std::string Labels(const Pattern& pattern, bool plain, const SheetFrame& page) {
 }
 
 std::string Text(double x, double y, double size, std::string_view text) {
-  return fmt::format(
-      R"(<text x="{:.2f}" y="{:.2f}" font-family="sans-serif" font-size="{:.2f}" fill="#4a4038">{}</text>)"
-      "\n",
-      x, y, size, SvgEscaped(text));
+  return SvgText(x, y, size, text, 2);
 }
 
 // The colours from −range to +range percent, and beside them a length to check a print by.

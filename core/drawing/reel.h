@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "arap/model/mesh.h"
+#include "core/base/plane.h"
 #include "core/drawing/film.h"
-#include "core/drawing/outline.h"
 
 namespace arap {
 

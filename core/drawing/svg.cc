@@ -89,24 +89,31 @@ View::View(const Bounds& bounds, double left, double top, double width, double h
 long View::X(double x) const { return std::lround(offset_x_ + scale_ * x); }
 long View::Y(double y) const { return std::lround(offset_y_ - scale_ * y); }
 
+std::string PathData(std::span<const Complex> points, bool closed, const View& view) {
+  std::string out;
+  long x = 0, y = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    // Differences of rounded places: nothing adds up along the line.
+    const long next_x = view.X(points[i].real());
+    const long next_y = view.Y(points[i].imag());
+    const long dx = next_x - x;
+    const long dy = next_y - y;
+    const char* const lead = i == 0 ? "M" : i == 1 ? "l" : dx < 0 ? "" : " ";
+    fmt::format_to(std::back_inserter(out), "{}{}{}{}", lead, dx, dy < 0 ? "" : " ", dy);
+    x = next_x;
+    y = next_y;
+  }
+  return closed ? out + 'z' : out;
+}
+
 std::string PathData(const Lines& lines, bool closed, std::span<const Complex> positions,
                      const View& view) {
   std::string out;
+  std::vector<Complex> points;
   for (const auto& line : lines) {
-    long x = 0, y = 0;
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      const Complex p = positions[line[i]];
-      // Differences of rounded places: nothing adds up along the line.
-      const long next_x = view.X(p.real());
-      const long next_y = view.Y(p.imag());
-      const long dx = next_x - x;
-      const long dy = next_y - y;
-      const char* const lead = i == 0 ? "M" : i == 1 ? "l" : dx < 0 ? "" : " ";
-      fmt::format_to(std::back_inserter(out), "{}{}{}{}", lead, dx, dy < 0 ? "" : " ", dy);
-      x = next_x;
-      y = next_y;
-    }
-    if (closed) out += 'z';
+    points.clear();
+    for (const std::uint32_t i : line) points.push_back(positions[i]);
+    out += PathData(points, closed, view);
   }
   return out;
 }
@@ -148,11 +155,11 @@ std::string SvgDocument(double width, double height, std::string_view body) {
       width, height, body);
 }
 
-std::string SvgText(double x, double y, double size, std::string_view text) {
+std::string SvgText(double x, double y, double size, std::string_view text, int digits) {
   return fmt::format(
-      R"(<text x="{:.0f}" y="{:.0f}" font-family="sans-serif" font-size="{:.0f}" fill="#4a4038">{}</text>)"
+      R"(<text x="{:.{}f}" y="{:.{}f}" font-family="sans-serif" font-size="{:.{}f}" fill="#4a4038">{}</text>)"
       "\n",
-      x, y, size, SvgEscaped(text));
+      x, digits, y, digits, size, digits, SvgEscaped(text));
 }
 
 double PrincipalStrainPercent(double s1, double s2) {

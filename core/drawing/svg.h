@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "arap/model/mesh.h"
-#include "core/drawing/outline.h"
+#include "core/base/plane.h"
 
 namespace arap {
 
@@ -44,6 +44,9 @@ class View {
 std::string PathData(const Lines& lines, bool closed, std::span<const Complex> positions,
                      const View& view);
 
+// The same along one line through `points`.
+std::string PathData(std::span<const Complex> points, bool closed, const View& view);
+
 // The whole file: a view box from the origin, a light ground, then `body`.
 std::string SvgDocument(double width, double height, std::string_view body);
 
@@ -54,8 +57,9 @@ std::string SvgNumber(double value, int digits);
 // `text` with &, <, > and " written as XML wants them.
 std::string SvgEscaped(std::string_view text);
 
-// One line of text; `x`, `y` is the left end of its base line. Escapes `text`.
-std::string SvgText(double x, double y, double size, std::string_view text);
+// One line of text; `x`, `y` is the left end of its base line. Escapes `text`. So many digits after
+// the point.
+std::string SvgText(double x, double y, double size, std::string_view text, int digits = 0);
 
 // Attributes of what moves: the mesh, its inner edges, its handles.
 inline constexpr std::string_view kBodyStyle =

@@ -1,5 +1,4 @@
-#include "core/drawing/tiling.h"
-
+// A pattern on pages.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +10,7 @@
 
 #include "core/base/try.h"
 #include "core/drawing/page_grid.h"
+#include "core/drawing/pattern_files.h"
 #include "core/drawing/svg.h"
 
 namespace arap {

@@ -1,4 +1,5 @@
-// Bytes taken apart number by number, and the sentence for what is wrong at one of them.
+// Bytes of files: unpacked where gzip has made them smaller (.gz), and taken apart number by
+// number.
 #pragma once
 
 #include <algorithm>
@@ -32,5 +33,19 @@ inline tl::unexpected<Fault> FailAtByte(const std::string& name, std::size_t at,
   return Fail(FaultKind::kInvalidOption,
               name + ": byte " + std::to_string(at) + ": " + std::string(what));
 }
+
+bool IsGzip(std::string_view bytes);
+
+// A few bytes may stand for a thousand times as many.
+inline constexpr std::size_t kMostUnpacked = std::size_t{256} << 20U;
+
+// The bytes as they were before, of one part or of several one after the other. `name` is what
+// messages call the file. How many they are is found out before any of them is kept, so that what is
+// refused takes no memory, and what is not takes its size.
+//
+// kInvalidOption for more than `most` bytes, and with the byte for damaged data (their check sum is
+// looked at), a file that ends early or goes on with something else.
+Result<std::string> Unpack(std::string_view bytes, const std::string& name,
+                           std::size_t most = kMostUnpacked);
 
 }  // namespace arap

@@ -1,5 +1,4 @@
-#include "core/files/gltf.h"
-
+// glTF 2.0: the surface of all meshes of its scene.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
+#include "core/files/formats.h"
 
 namespace arap {
 namespace {

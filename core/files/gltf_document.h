@@ -1,5 +1,5 @@
 // A glTF 2.0 file taken apart: its JSON, with the place of every value, and the arrays of numbers
-// that it describes. What they mean is left to gltf.h.
+// that it describes. What they mean is left to gltf.cc.
 #pragma once
 
 #include <array>

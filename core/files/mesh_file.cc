@@ -15,12 +15,9 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
-#include "core/files/gltf.h"
-#include "core/files/gzip.h"
-#include "core/files/off.h"
+#include "core/files/bytes.h"
+#include "core/files/formats.h"
 #include "core/files/plane_fit.h"
-#include "core/files/ply.h"
-#include "core/files/stl.h"
 #include "core/files/text_scan.h"
 
 namespace arap {
@@ -58,7 +55,7 @@ std::optional<MeshFormat> FormatOfName(const std::string& path) {
 // OBJ files, and OFF files without their keyword, begin with anything.
 std::optional<MeshFormat> FormatOfContent(std::string_view bytes) {
   if (IsBinaryStl(bytes)) return MeshFormat::kStl;
-  std::string word(FirstWordOf(bytes).substr(0, 12));
+  std::string word(TextScanner(bytes).NextWord().substr(0, 12));
   if (word.starts_with("glTF") || word.starts_with('{')) return MeshFormat::kGltf;
   if (word == "ply") return MeshFormat::kPly;
   std::transform(word.begin(), word.end(), word.begin(),

@@ -10,14 +10,15 @@
 
 #include "arap/base/result.h"
 #include "arap/model/mesh.h"
-#include "core/files/obj.h"
+#include "core/files/surface_file.h"
 #include "core/files/text_file.h"
 
 namespace arap {
 
 // The format is that of the content, where that shows it, and else that of the name's ending; when
-// they differ a warning says so. Standard input is OBJ where its content shows nothing else. Faults name the file: kNotFound (it cannot be opened, or what a glTF
-// file names beside it) or kInvalidOption (no such format, or what its reader and Unpack refuse).
+// they differ a warning says so. Standard input is OBJ where its content shows nothing else. Faults
+// name the file: kNotFound (it cannot be opened, or what a glTF file names beside it) or
+// kInvalidOption (no such format, or what its reader and Unpack refuse).
 Result<SurfaceFile> ReadSurfaceFile(const std::string& path);
 // Its mesh alone, without the warnings.
 Result<SurfaceMesh> ReadSurfaceMesh(const std::string& path);

@@ -1,5 +1,4 @@
-#include "core/files/obj.h"
-
+// Wavefront OBJ: the reader.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -12,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
+#include "core/files/formats.h"
 #include "core/files/obj_statements.h"
 #include "core/files/text_scan.h"
 
@@ -264,24 +264,6 @@ class ObjReader {
   Noticed unknown_, weights_, references_;
 };
 
-void AppendVertices(std::span<const Point3> vertices, std::string& out) {
-  for (const Point3& p : vertices) {
-    fmt::format_to(std::back_inserter(out), "v {} {} {}\n", p[0], p[1], p[2]);
-  }
-}
-
-void AppendFaces(std::span<const Triangle> triangles, std::string& out) {
-  for (const Triangle& t : triangles) {
-    fmt::format_to(std::back_inserter(out), "f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
-  }
-}
-
-// A backslash could join lines here.
-void AppendName(std::string name, std::string& out) {
-  std::replace(name.begin(), name.end(), '\\', '_');
-  out += "o " + name + '\n';
-}
-
 }  // namespace
 
 Result<SurfaceFile> ParseObj(std::string text, const std::string& name) {
@@ -290,55 +272,6 @@ Result<SurfaceFile> ParseObj(std::string text, const std::string& name) {
   file.text = std::move(text);
   CHECK_OK(ObjReader(file, name).Read());
   return file;
-}
-
-std::string FormatObj(const PlanarMesh& mesh) {
-  std::string out;
-  for (const Complex p : mesh.vertices) {
-    fmt::format_to(std::back_inserter(out), "v {} {} 0\n", p.real(), p.imag());
-  }
-  AppendFaces(mesh.triangles, out);
-  return out;
-}
-
-std::string FormatObj(const SurfaceMesh& mesh) {
-  std::string out;
-  AppendVertices(mesh.vertices, out);
-  AppendFaces(mesh.triangles, out);
-  return out;
-}
-
-std::string FormatObj(const SurfaceFile& file) {
-  std::string out;
-  AppendVertices(file.mesh.vertices, out);
-  auto part = file.parts.begin();
-  for (std::size_t f = 0; f < file.face_count(); ++f) {
-    // Several may begin at one face; the last one counts.
-    for (; part != file.parts.end() && part->first_face <= f; ++part) {
-      if (file.names.size() > 1) AppendName(file.names[part->object], out);
-    }
-    out += 'f';
-    for (const std::uint32_t corner : file.CornersOf(f)) {
-      fmt::format_to(std::back_inserter(out), " {}", std::uint64_t{corner} + 1);
-    }
-    out += '\n';
-  }
-  return out;
-}
-
-std::string FormatObj(const SurfaceMesh& mesh, std::span<const Complex> uv,
-                      std::span<const Triangle> corner_uv) {
-  std::string out;
-  AppendVertices(mesh.vertices, out);
-  for (const Complex p : uv) {
-    fmt::format_to(std::back_inserter(out), "vt {} {}\n", p.real(), p.imag());
-  }
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Triangle &v = mesh.triangles[t], &u = corner_uv[t];
-    fmt::format_to(std::back_inserter(out), "f {}/{} {}/{} {}/{}\n", v[0] + 1, u[0] + 1, v[1] + 1,
-                   u[1] + 1, v[2] + 1, u[2] + 1);
-  }
-  return out;
 }
 
 }  // namespace arap

@@ -1,5 +1,4 @@
-#include "core/files/off.h"
-
+// OFF.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -11,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
+#include "core/files/formats.h"
 #include "core/files/text_scan.h"
 
 namespace arap {
@@ -41,16 +41,8 @@ class OffReader {
  private:
   auto Bad(std::string_view what) const { return FailAt(name_, scanner_.line(), what); }
 
-  // The next word on whatever line; empty at the end of the text.
-  std::string_view NextWord() {
-    for (;;) {
-      const std::string_view word = scanner_.Word();
-      if (!word.empty() || !scanner_.NextLine()) return word;
-    }
-  }
-
   Status ReadHeader() {
-    std::string_view word = NextWord();
+    std::string_view word = scanner_.NextWord();
     std::string upper(word.substr(0, kLongestKeyword));
     std::transform(upper.begin(), upper.end(), upper.begin(),
                    [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
@@ -63,7 +55,7 @@ class OffReader {
         return Bad(fmt::format("{} is not OFF", Quoted(word)));
       }
       word.remove_prefix(off + 3);
-      if (word.empty()) word = NextWord();
+      if (word.empty()) word = scanner_.NextWord();
       if (word == "BINARY") return Bad("'BINARY': only texts are read");
     } else if (word.find_first_of("+-0123456789") != 0 && !word.empty()) {
       return Bad(fmt::format("{} is not OFF", Quoted(word)));
@@ -79,9 +71,9 @@ class OffReader {
     TRY(vertices_, ReadCount(word));
     std::string_view second = scanner_.Word();
     const bool apart = second.empty();  // one on a line: then there are three
-    if (apart) second = NextWord();
+    if (apart) second = scanner_.NextWord();
     TRY(faces_, ReadCount(second));
-    const std::string_view third = apart ? NextWord() : scanner_.Word();
+    const std::string_view third = apart ? scanner_.NextWord() : scanner_.Word();
     if (!third.empty()) {
       // That of the edges, which nobody fills in rightly.
       TRY([[maybe_unused]] const std::size_t edges, ReadCount(third));
@@ -116,7 +108,7 @@ class OffReader {
     file_.first_corner.reserve(faces_ + 1);
     file_.face_lines.reserve(faces_);
     while (file_.face_count() < faces_) CHECK_OK(ReadFace(layout));
-    if (const std::string_view word = NextWord(); !word.empty()) {
+    if (const std::string_view word = scanner_.NextWord(); !word.empty()) {
       return Bad(
           fmt::format("{}: the file goes on behind the {} vertices and {} faces that the "
                       "header claims",
@@ -128,7 +120,7 @@ class OffReader {
 
   // The first word of a vertex or face.
   Result<std::string_view> FirstWord(std::size_t claimed) {
-    last_word_ = NextWord();
+    last_word_ = scanner_.NextWord();
     if (!last_word_.empty()) return last_word_;
     return FailAt(
         name_, counts_line_,
@@ -139,7 +131,8 @@ class OffReader {
 
   // Another one of the same.
   Result<std::string_view> LaterWord(OffLayout layout, std::size_t wanted, const char* what) {
-    const std::string_view word = layout == OffLayout::kLines ? scanner_.Word() : NextWord();
+    const std::string_view word =
+        layout == OffLayout::kLines ? scanner_.Word() : scanner_.NextWord();
     if (!word.empty()) return last_word_ = word;
     return Bad(
         fmt::format("{} is the last word, {} {} are wanted", Quoted(last_word_), wanted, what));

@@ -1,5 +1,4 @@
-#include "core/files/ply.h"
-
+// PLY: a text, or either binary form.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +11,7 @@
 
 #include "core/base/try.h"
 #include "core/files/bytes.h"
+#include "core/files/formats.h"
 #include "core/files/ply_header.h"
 #include "core/files/text_scan.h"
 

@@ -1,5 +1,4 @@
-#include "core/files/stl.h"
-
+// STL: a text, or the binary form.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -15,6 +14,7 @@
 
 #include "core/base/try.h"
 #include "core/files/bytes.h"
+#include "core/files/formats.h"
 #include "core/files/text_scan.h"
 
 namespace arap {
@@ -43,7 +43,7 @@ class StlText {
   StlText(std::string_view text, const std::string& name) : name_(name), scanner_(text) {}
 
   Result<StlSoup> Read() {
-    for (std::string_view word; !(word = NextWord()).empty();) {
+    for (std::string_view word; !(word = scanner_.NextWord()).empty();) {
       if (!IsStlWord(word, "solid")) return OutOfPlace(word, "'solid'");
       soup_.solids.emplace_back(soup_.corners.size() / 3, scanner_.Rest());
       CHECK_OK(ReadSolid());
@@ -60,23 +60,15 @@ class StlText {
     return Bad(fmt::format("{}: {} is wanted", Quoted(word), wanted));
   }
 
-  // The next word on whatever line; empty at the end of the text.
-  std::string_view NextWord() {
-    for (;;) {
-      const std::string_view word = scanner_.Word();
-      if (!word.empty() || !scanner_.NextLine()) return word;
-    }
-  }
-
   Status Expect(std::string_view wanted) {
-    const std::string_view word = NextWord();
+    const std::string_view word = scanner_.NextWord();
     if (IsStlWord(word, wanted)) return {};
     return OutOfPlace(word, fmt::format("'{}'", wanted));
   }
 
   Status ReadSolid() {
     for (;;) {
-      const std::string_view word = NextWord();
+      const std::string_view word = scanner_.NextWord();
       if (IsStlWord(word, "endsolid")) break;
       if (!IsStlWord(word, "facet")) return OutOfPlace(word, "'facet' or 'endsolid'");
       CHECK_OK(ReadFacet());
@@ -87,11 +79,11 @@ class StlText {
 
   Status ReadFacet() {
     const std::size_t line = scanner_.line();
-    std::string_view word = NextWord();
+    std::string_view word = scanner_.NextWord();
     if (IsStlWord(word, "normal")) {
       // Three words of any kind: a program that finds no normal may write nan.
-      for (int k = 0; k < 3; ++k) (void)NextWord();
-      word = NextWord();
+      for (int k = 0; k < 3; ++k) (void)scanner_.NextWord();
+      word = scanner_.NextWord();
     }
     if (!IsStlWord(word, "outer")) return OutOfPlace(word, "'outer loop'");
     CHECK_OK(Expect("loop"));
@@ -99,7 +91,7 @@ class StlText {
       CHECK_OK(Expect("vertex"));
       Point3& point = soup_.corners.emplace_back();
       for (double& x : point) {
-        word = NextWord();
+        word = scanner_.NextWord();
         if (word.empty()) return OutOfPlace(word, "a number");
         const Result<double> number = ParseNumber(word);
         if (!number) return Bad(number.error().message);
@@ -242,7 +234,7 @@ Result<SurfaceFile> Joined(StlSoup soup, const std::string& name) {
 // A text has no zero bytes, the header and the numbers of a binary file do.
 bool IsStlText(std::string_view bytes) {
   constexpr std::size_t kLook = 1024;
-  return IsStlWord(FirstWordOf(bytes), "solid") &&
+  return IsStlWord(TextScanner(bytes).NextWord(), "solid") &&
          bytes.substr(0, kLook).find('\0') == std::string_view::npos;
 }
 

@@ -99,18 +99,17 @@ std::string_view TextScanner::Rest() {
   return text_.substr(begin, end - begin);
 }
 
+std::string_view TextScanner::NextWord() {
+  for (;;) {
+    const std::string_view word = Word();
+    if (!word.empty() || !NextLine()) return word;
+  }
+}
+
 bool TextScanner::NextLine() {
   while (at_ < text_.size() && !EndsLine(text_[at_])) ++at_;
   PassLineEnd();
   return at_ < text_.size();
-}
-
-std::string_view FirstWordOf(std::string_view text) {
-  TextScanner scanner(text);
-  std::string_view word;
-  while ((word = scanner.Word()).empty() && scanner.NextLine()) {
-  }
-  return word;
 }
 
 Status CheckSize(std::string_view bytes, const std::string& name) {

@@ -21,6 +21,8 @@ class TextScanner {
   // The next word of this line, or empty at its end. With `continued` a backslash at the end of a
   // line is a blank, and the next line belongs to this one.
   std::string_view Word(bool continued = false);
+  // The next word on whatever line; empty at the end of the text.
+  std::string_view NextWord();
   // The rest of this line without the blanks around it.
   std::string_view Rest();
   // Goes on to the beginning of the next line; false at the end of the text.
@@ -39,9 +41,6 @@ class TextScanner {
   std::size_t at_ = 0;
   std::size_t line_ = 1;
 };
-
-// The first word of a text, on whatever line it is; empty when there is none.
-std::string_view FirstWordOf(std::string_view text);
 
 // kInvalidOption with "name: …" for 4 GiB and more.
 Status CheckSize(std::string_view bytes, const std::string& name);

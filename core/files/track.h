@@ -1,4 +1,5 @@
-// A track: handles on a mesh and where they go, frame by frame. track_file.h has its text.
+// A track: handles on a mesh and where they go, frame by frame. track_file.h says what stands in
+// its text and reads it.
 #pragma once
 
 #include <cstddef>
@@ -80,5 +81,8 @@ class TrackSegments {
   std::size_t edits_ = 0;   // that are done
   std::size_t number_ = 0;  // of the next handle
 };
+
+// ParseTrack reads it back exactly. Every frame has all targets, also those that were kept.
+std::string FormatTrack(const Track& track);
 
 }  // namespace arap

@@ -1,5 +1,4 @@
-#include "proto/convert/drawing.h"
-
+// Drawings of layouts between the model and the wire.
 #include <cstddef>
 #include <iterator>
 #include <string>
@@ -9,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
+#include "proto/convert/flatten.h"
 #include "proto/convert/mesh.h"
 #include "proto/convert/plain.h"
 

@@ -6,8 +6,10 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "arap/base/result.h"
+#include "arap/model/drawing.h"
 #include "arap/model/flatten.h"
 
 namespace arap::v1 {
@@ -32,5 +34,16 @@ Fault SpelledForFlatten(Fault fault);
 Status ToWire(const Flattening& flat, const v1::FlattenRequest& request, v1::FlattenResponse* out);
 // kInternal for lengths that no answer has. The wire has no times by phase.
 Result<Flattening> FromWire(const v1::FlattenResponse& response);
+
+// Drawings of layouts (drawing.cc): what is asked for; numbers are for core/drawing to judge. kInvalidOption for more than
+// kMaxDrawings, and for a format or corners that this version does not know.
+Result<std::vector<DrawingOptions>> DrawingsFromWire(const v1::FlattenRequest& request);
+std::vector<NamedPart> PartsFromWire(const v1::FlattenRequest& request);
+void ToWire(const std::vector<DrawingOptions>& drawings, const std::vector<NamedPart>& parts,
+            v1::FlattenRequest* out);
+
+std::vector<Drawing> DrawingsFromWire(const v1::FlattenResponse& response);
+// Takes the bytes of the files.
+void ToWire(std::vector<Drawing> drawings, v1::FlattenResponse* out);
 
 }  // namespace arap::convert

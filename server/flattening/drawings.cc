@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
+#include "core/drawing/captions.h"
 #include "core/drawing/draw.h"
-#include "core/drawing/piece_names.h"
 #include "server/budget/faults.h"
 #include "server/runtime/clock.h"
 

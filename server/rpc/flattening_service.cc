@@ -13,9 +13,8 @@
 
 #include "arap/core/flattener.h"
 #include "core/base/try.h"
+#include "core/drawing/captions.h"
 #include "core/drawing/draw.h"
-#include "core/drawing/piece_names.h"
-#include "proto/convert/drawing.h"
 #include "proto/convert/flatten.h"
 #include "server/budget/faults.h"
 #include "server/flattening/drawings.h"
@@ -28,7 +27,6 @@
 #include "server/runtime/clock.h"
 
 namespace arap::rpc {
-
 namespace {
 
 // Bytes that an answer to the request has for certain, before anything is cut.

@@ -9,6 +9,7 @@
 
 #include "client/cli/sample/samples.h"
 #include "core/files/mesh_file.h"
+#include "core/files/obj_writer.h"
 #include "tests/cli/run.h"
 
 namespace arap::cli {

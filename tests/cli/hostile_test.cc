@@ -11,7 +11,8 @@
 
 #include "client/cli/sample/samples.h"
 #include "core/files/mesh_file.h"
-#include "core/files/track_writer.h"
+#include "core/files/obj_writer.h"
+#include "core/files/track.h"
 #include "tests/cli/hostile_server.h"
 #include "tests/cli/run.h"
 

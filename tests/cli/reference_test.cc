@@ -8,10 +8,11 @@
 #include <gmock/gmock.h>
 
 #include "client/cli/sample/samples.h"
-#include "core/drawing/outline.h"
+#include "core/base/plane.h"
 #include "core/files/mesh_file.h"
+#include "core/files/obj_writer.h"
+#include "core/files/track.h"
 #include "core/files/track_file.h"
-#include "core/files/track_writer.h"
 #include "tests/cli/run.h"
 #include "tests/support/compare.h"
 #include "tests/support/textbook.h"

@@ -12,7 +12,8 @@
 #include "client/cli/sample/samples.h"
 #include "core/drawing/svg.h"
 #include "core/files/mesh_file.h"
-#include "core/files/track_writer.h"
+#include "core/files/obj_writer.h"
+#include "core/files/track.h"
 
 namespace arap::cli {
 namespace {

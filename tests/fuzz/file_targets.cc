@@ -6,13 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/files/gltf.h"
-#include "core/files/gzip.h"
-#include "core/files/obj.h"
-#include "core/files/obj_layout.h"
-#include "core/files/off.h"
-#include "core/files/ply.h"
-#include "core/files/stl.h"
+#include "core/files/bytes.h"
+#include "core/files/formats.h"
+#include "core/files/obj_writer.h"
 #include "tests/fuzz/check.h"
 #include "tests/fuzz/memory_cap.h"
 #include "tests/fuzz/targets.h"

@@ -3,8 +3,8 @@
 #include <string>
 
 #include "client/cli/commands/flatten_inputs.h"
+#include "core/files/track.h"
 #include "core/files/track_file.h"
-#include "core/files/track_writer.h"
 #include "tests/fuzz/check.h"
 #include "tests/fuzz/memory_cap.h"
 #include "tests/fuzz/targets.h"

@@ -7,7 +7,6 @@
 #include <gmock/gmock.h>
 
 #include "proto/convert/deform.h"
-#include "proto/convert/drawing.h"
 #include "proto/convert/flatten.h"
 #include "proto/convert/mesh.h"
 #include "proto/convert/plain.h"

@@ -16,12 +16,11 @@
 #include "client/cli/reply.h"
 #include "client/cli/report.h"
 #include "core/base/try.h"
+#include "core/drawing/captions.h"
 #include "core/drawing/comparison.h"
 #include "core/drawing/draw.h"
-#include "core/drawing/piece_names.h"
-#include "core/drawing/summary.h"
 #include "core/files/mesh_file.h"
-#include "core/files/obj_layout.h"
+#include "core/files/obj_writer.h"
 #include "core/files/text_file.h"
 
 namespace arap::cli {

@@ -13,7 +13,7 @@
 #include "client/cli/reply.h"
 #include "core/base/names.h"
 #include "core/base/try.h"
-#include "core/drawing/paper.h"
+#include "core/drawing/page.h"
 #include "core/files/text_file.h"
 
 namespace arap::cli {

@@ -18,6 +18,7 @@
 #include "client/cli/report.h"
 #include "core/base/try.h"
 #include "core/files/mesh_file.h"
+#include "core/files/obj_writer.h"
 #include "core/files/text_file.h"
 #include "core/outline/outline.h"
 #include "core/outline/quality_mesh.h"

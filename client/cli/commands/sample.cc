@@ -11,8 +11,9 @@
 #include "client/cli/sample/samples.h"
 #include "core/base/try.h"
 #include "core/files/mesh_file.h"
+#include "core/files/obj_writer.h"
 #include "core/files/text_file.h"
-#include "core/files/track_writer.h"
+#include "core/files/track.h"
 
 namespace arap::cli {
 namespace {

@@ -1,11 +1,11 @@
 // Seam allowances: where they go, what they lose, and what they may cost.
-#include "core/drawing/allowance.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <gmock/gmock.h>
+
+#include "core/drawing/pattern_steps.h"
 
 namespace arap {
 namespace {

@@ -1,12 +1,10 @@
 // Where pieces lie: rolls that are as narrow as they have to be, and grain lines that stay parallel.
-#include "core/drawing/arrange.h"
-
 #include <cmath>
 #include <random>
 
 #include <gmock/gmock.h>
 
-#include "core/drawing/notches.h"
+#include "core/drawing/pattern_steps.h"
 
 namespace arap {
 namespace {

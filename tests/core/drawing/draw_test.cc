@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-#include "core/drawing/summary.h"
+#include "core/drawing/captions.h"
 
 namespace arap {
 namespace {

@@ -10,9 +10,8 @@
 
 #include <gmock/gmock.h>
 
-#include "core/drawing/dxf.h"
-#include "core/drawing/outline.h"
-#include "core/drawing/pattern_sheet.h"
+#include "core/base/plane.h"
+#include "core/drawing/pattern_files.h"
 
 namespace arap {
 namespace {

@@ -1,6 +1,4 @@
 // Pieces are called as the parts of the surface that they are of.
-#include "core/drawing/piece_names.h"
-
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,8 +6,8 @@
 #include <gmock/gmock.h>
 
 #include "core/base/code_point.h"
-#include "core/drawing/dxf.h"
-#include "core/drawing/pattern_sheet.h"
+#include "core/drawing/captions.h"
+#include "core/drawing/pattern_files.h"
 
 namespace arap {
 namespace {

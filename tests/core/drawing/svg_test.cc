@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-#include "core/drawing/outline.h"
+#include "core/base/plane.h"
 
 namespace arap {
 namespace {

@@ -1,6 +1,4 @@
 // Pages: joined at their marks they give the sheet, and PDF and SVG have them at true size.
-#include "core/drawing/tiling.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -8,7 +6,8 @@
 
 #include <gmock/gmock.h>
 
-#include "core/drawing/pdf.h"
+#include "core/drawing/page.h"
+#include "core/drawing/pattern_files.h"
 #include "core/drawing/svg.h"
 
 namespace arap {

@@ -5,8 +5,7 @@
 
 #include <gmock/gmock.h>
 
-#include "core/files/obj.h"
-#include "core/files/off.h"
+#include "core/files/formats.h"
 #include "tests/core/files/draft.h"
 
 namespace arap {

@@ -1,8 +1,7 @@
 // What the reader of glTF makes of scenes, and of files that do not fit together.
-#include "core/files/gltf.h"
-
 #include <gmock/gmock.h>
 
+#include "core/files/formats.h"
 #include "core/files/mesh_file.h"
 #include "tests/support/folder.h"
 #include "tests/support/mesh_bytes.h"

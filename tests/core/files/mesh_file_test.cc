@@ -2,7 +2,8 @@
 
 #include <gmock/gmock.h>
 
-#include "core/files/off.h"
+#include "core/files/formats.h"
+#include "core/files/obj_writer.h"
 #include "tests/support/folder.h"
 
 namespace arap {

@@ -3,11 +3,9 @@
 
 #include <gmock/gmock.h>
 
-#include "core/files/gltf.h"
-#include "core/files/gzip.h"
+#include "core/files/bytes.h"
+#include "core/files/formats.h"
 #include "core/files/mesh_file.h"
-#include "core/files/ply.h"
-#include "core/files/stl.h"
 #include "tests/support/folder.h"
 #include "tests/support/mesh_bytes.h"
 

@@ -1,9 +1,7 @@
-#include "core/files/obj_layout.h"
-
 #include <gmock/gmock.h>
 
-#include "core/files/obj.h"
-#include "core/files/off.h"
+#include "core/files/formats.h"
+#include "core/files/obj_writer.h"
 
 namespace arap {
 namespace {

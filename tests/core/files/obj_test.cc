@@ -1,8 +1,8 @@
 // What the reader of OBJ says beside the mesh, and its faults word by word. The oddities are in
 // battery_test.cc.
-#include "core/files/obj.h"
-
 #include <gmock/gmock.h>
+
+#include "core/files/formats.h"
 
 namespace arap {
 namespace {

@@ -1,9 +1,8 @@
 // OFF files without lines of their own for vertices and faces, and faults word by word. The oddities
 // are in battery_test.cc.
-#include "core/files/off.h"
-
 #include <gtest/gtest.h>
 
+#include "core/files/formats.h"
 #include "tests/core/files/draft.h"
 
 namespace arap {

@@ -1,10 +1,9 @@
 // What the reader of PLY makes of files as programs write them, and of damaged ones.
-#include "core/files/ply.h"
-
 #include <limits>
 
 #include <gmock/gmock.h>
 
+#include "core/files/formats.h"
 #include "tests/support/mesh_bytes.h"
 
 namespace arap {

@@ -1,3 +1,5 @@
+#include "core/files/track.h"
+
 #include <algorithm>
 #include <cstring>
 #include <optional>
@@ -6,7 +8,6 @@
 #include <gmock/gmock.h>
 
 #include "core/files/track_file.h"
-#include "core/files/track_writer.h"
 #include "tests/support/folder.h"
 
 namespace arap {

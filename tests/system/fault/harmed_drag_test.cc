@@ -19,8 +19,9 @@
 #include "arap/client/client.h"
 #include "client/cli/sample/samples.h"
 #include "core/files/mesh_file.h"
+#include "core/files/obj_writer.h"
 #include "core/files/text_file.h"
-#include "core/files/track_writer.h"
+#include "core/files/track.h"
 #include "tests/support/bounded.h"
 #include "tests/system/fault/harm.h"
 

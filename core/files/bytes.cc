@@ -1,4 +1,4 @@
-#include "core/files/gzip.h"
+#include "core/files/bytes.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,6 @@
 #include <zlib.h>
 
 #include "core/base/try.h"
-#include "core/files/bytes.h"
 
 namespace arap {
 namespace {

@@ -1,14 +1,17 @@
-// What the pieces of a layout are called.
+// What is written on a drawing and below it: what the pieces are called, and what people are told
+// of the layout.
 #pragma once
 
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "arap/base/result.h"
 #include "arap/model/drawing.h"
 #include "arap/model/flatten.h"
+#include "core/drawing/pattern.h"
 
 namespace arap {
 
@@ -24,5 +27,13 @@ Status CheckParts(std::span<const NamedPart> parts, std::size_t triangles);
 // piece is called. Characters that are not seen or that turn writing are question marks. The parts
 // are good (CheckParts); O(#F log of the parts).
 std::vector<std::string> PieceNames(const Flattening& flat, std::span<const NamedPart> parts);
+
+// A few lines: counts, distortion, cuts, the sizes of the pieces and of the sheet in millimetres.
+// What goes under the colours of an SVG.
+std::vector<std::string> Summary(const Flattening& flat, const Pattern& pattern);
+
+// "unlikely_size": pieces shorter than 5 mm or longer than 10 m, which another unit would make
+// likelier. `option` is what says the unit.
+std::vector<Warning> SizeWarnings(const Pattern& pattern, std::string_view option);
 
 }  // namespace arap

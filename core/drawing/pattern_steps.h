@@ -1,4 +1,5 @@
-// The seam allowance: a closed curve at a distance round a piece.
+// What a pattern is made of when its lines are there: the seam allowance round each piece
+// (allowance.cc), notches (notches.cc), and where the pieces lie (arrange.cc).
 #pragma once
 
 #include <cstddef>
@@ -7,7 +8,9 @@
 
 #include "arap/base/result.h"
 #include "arap/model/drawing.h"
-#include "core/drawing/outline.h"
+#include "arap/model/flatten.h"
+#include "core/base/plane.h"
+#include "core/drawing/pattern.h"
 
 namespace arap {
 
@@ -35,5 +38,22 @@ struct Allowance {
 // when `budget` has not enough for that.
 Result<Allowance> OffsetOutwards(const std::vector<Ring>& rings, double width, Corners corners,
                                  BorderBudget& budget);
+
+// Puts a short line across both sides of every seam, in the middle of each stretch along which the
+// same two sides were one, and the number of the stretch beside it, from 1. They point into the
+// allowance where there is one (of `allowance` millimetres, else 0) and into the piece where there
+// is none; stretches shorter than 6 mm have none. `pattern` is made of `flat` and nothing of it was
+// moved. O(n log n) in the edges that were cut.
+void AddNotches(const Flattening& flat, double allowance, Pattern& pattern);
+
+// Where pieces touch with all that is drawn of them, sets all out in rows about as long as they are
+// high together, `gap` apart. Else nothing moves.
+void SetApart(double gap, Pattern& pattern);
+
+// Packs the pieces into a roll that runs along x and is `width` (y) wide: in columns, the longest
+// first, 5 mm apart. Pieces with a grain line keep their direction, so that grain lines stay parallel;
+// the others lie along the roll or across it, whichever makes it shorter. kInvalidOption with the
+// first piece that fits neither way. O(n²) for few pieces, n for many.
+Status PackRoll(double width, Pattern& pattern);
 
 }  // namespace arap

@@ -1,4 +1,5 @@
-// The text of an OBJ file with a flat layout in it.
+// Wavefront OBJ (.obj): the text of a surface, made anew or with a flat layout in the text that it was
+// read from.
 #pragma once
 
 #include <span>
@@ -9,6 +10,17 @@
 #include "core/files/surface_file.h"
 
 namespace arap {
+
+// The text of an OBJ file. Numbers are the shortest that read back exactly; z is 0 for a mesh of
+// the plane.
+std::string FormatObj(const PlanarMesh& mesh);
+std::string FormatObj(const SurfaceMesh& mesh);
+// With the faces and the objects that a file of any format has.
+std::string FormatObj(const SurfaceFile& file);
+// With a layout: a vt for each flat position in `uv` (#U), and `corner_uv` (#F) says which of them
+// each corner has.
+std::string FormatObj(const SurfaceMesh& mesh, std::span<const Complex> uv,
+                      std::span<const Triangle> corner_uv);
 
 // The text that the surface was read from, byte by byte, but for texture coordinates: a vt for each
 // flat position in `uv` (#U) where the first one was, or else before the first face, and in every

@@ -1,21 +1,37 @@
-#include "core/files/obj_layout.h"
+#include "core/files/obj_writer.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
-#include <limits>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "core/files/obj.h"
+#include "core/base/plane.h"
 #include "core/files/obj_statements.h"
 
 namespace arap {
 namespace {
+
+void AppendVertices(std::span<const Point3> vertices, std::string& out) {
+  for (const Point3& p : vertices) {
+    fmt::format_to(std::back_inserter(out), "v {} {} {}\n", p[0], p[1], p[2]);
+  }
+}
+
+void AppendFaces(std::span<const Triangle> triangles, std::string& out) {
+  for (const Triangle& t : triangles) {
+    fmt::format_to(std::back_inserter(out), "f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  }
+}
+
+// A backslash could join lines here.
+void AppendName(std::string name, std::string& out) {
+  std::replace(name.begin(), name.end(), '\\', '_');
+  out += "o " + name + '\n';
+}
 
 std::string_view LineEndOf(std::string_view text) {
   const std::size_t end = text.find_first_of("\r\n");
@@ -187,6 +203,55 @@ class LayoutWriter {
 
 }  // namespace
 
+std::string FormatObj(const PlanarMesh& mesh) {
+  std::string out;
+  for (const Complex p : mesh.vertices) {
+    fmt::format_to(std::back_inserter(out), "v {} {} 0\n", p.real(), p.imag());
+  }
+  AppendFaces(mesh.triangles, out);
+  return out;
+}
+
+std::string FormatObj(const SurfaceMesh& mesh) {
+  std::string out;
+  AppendVertices(mesh.vertices, out);
+  AppendFaces(mesh.triangles, out);
+  return out;
+}
+
+std::string FormatObj(const SurfaceFile& file) {
+  std::string out;
+  AppendVertices(file.mesh.vertices, out);
+  auto part = file.parts.begin();
+  for (std::size_t f = 0; f < file.face_count(); ++f) {
+    // Several may begin at one face; the last one counts.
+    for (; part != file.parts.end() && part->first_face <= f; ++part) {
+      if (file.names.size() > 1) AppendName(file.names[part->object], out);
+    }
+    out += 'f';
+    for (const std::uint32_t corner : file.CornersOf(f)) {
+      fmt::format_to(std::back_inserter(out), " {}", std::uint64_t{corner} + 1);
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+std::string FormatObj(const SurfaceMesh& mesh, std::span<const Complex> uv,
+                      std::span<const Triangle> corner_uv) {
+  std::string out;
+  AppendVertices(mesh.vertices, out);
+  for (const Complex p : uv) {
+    fmt::format_to(std::back_inserter(out), "vt {} {}\n", p.real(), p.imag());
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Triangle &v = mesh.triangles[t], &u = corner_uv[t];
+    fmt::format_to(std::back_inserter(out), "f {}/{} {}/{} {}/{}\n", v[0] + 1, u[0] + 1, v[1] + 1,
+                   u[1] + 1, v[2] + 1, u[2] + 1);
+  }
+  return out;
+}
+
 std::string FormatLayout(const SurfaceFile& file, std::span<const Complex> uv,
                          std::span<const Triangle> corner_uv, std::vector<Warning>& warnings) {
   const std::string made = file.text.empty() ? FormatObj(file) : std::string();
@@ -208,20 +273,17 @@ std::string FormatLayout(const SurfaceFile& file, std::span<const Complex> uv,
 }
 
 std::vector<Complex> InUnitSquare(std::span<const Complex> uv) {
-  constexpr double kFar = std::numeric_limits<double>::max();
-  std::array<double, 2> low{kFar, kFar}, high{-kFar, -kFar};
-  for (const Complex p : uv) {
-    low = {std::min(low[0], p.real()), std::min(low[1], p.imag())};
-    high = {std::max(high[0], p.real()), std::max(high[1], p.imag())};
-  }
+  Bounds box;
+  box.Add(uv);
   // Halves, so that no difference overflows.
-  const double half = std::max(high[0] / 2 - low[0] / 2, high[1] / 2 - low[1] / 2);
+  const double half = std::max(box.max_x / 2 - box.min_x / 2, box.max_y / 2 - box.min_y / 2);
   const auto scaled = [&](double x, double from) {
     return half > 0 ? std::min((x / 2 - from / 2) / half, 1.0) : 0.0;
   };
   std::vector<Complex> unit;
   unit.reserve(uv.size());
-  for (const Complex p : uv) unit.emplace_back(scaled(p.real(), low[0]), scaled(p.imag(), low[1]));
+  for (const Complex p : uv)
+    unit.emplace_back(scaled(p.real(), box.min_x), scaled(p.imag(), box.min_y));
   return unit;
 }
 
