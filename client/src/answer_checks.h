@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "client/src/answers.h"
+#include "core/base/plane.h"
 
 namespace arap::client::internal {
 
@@ -19,10 +20,6 @@ namespace arap::client::internal {
 template <class... Arguments>
 auto Bad(fmt::format_string<Arguments...> sentence, Arguments&&... arguments) {
   return Fail(BadAnswer(fmt::format(sentence, std::forward<Arguments>(arguments)...)));
-}
-
-inline bool IsFinite(Complex point) {
-  return std::isfinite(point.real()) && std::isfinite(point.imag());
 }
 
 inline Status CheckFinite(std::span<const Complex> points, const char* what) {

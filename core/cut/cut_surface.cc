@@ -196,7 +196,8 @@ class Cutter {
   Status CheckAreas() {
     result_.degenerate = DegenerateTriangles(result_.mesh);
     if (result_.degenerate.empty()) return {};
-    if (!options_.tolerate_degenerate || !std::isfinite(Diagonal())) {
+    if (!options_.tolerate_degenerate ||
+        !std::isfinite(DiagonalOf(result_.mesh.vertices, triangles()))) {
       return Fail(Advised(DegenerateFault(result_.degenerate),
                           "tolerate_degenerate lets them through where the rest has area"));
     }
@@ -204,14 +205,6 @@ class Cutter {
                fmt::format("{} triangles have no area", result_.degenerate.size()),
                result_.warnings);
     return {};
-  }
-
-  double Diagonal() const {
-    Eigen::AlignedBox3d box;
-    for (const Triangle& t : triangles()) {
-      for (const std::uint32_t v : t) box.extend(Vec(result_.mesh.vertices[v]));
-    }
-    return box.diagonal().norm();
   }
 
   Status Orient() {

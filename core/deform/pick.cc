@@ -8,7 +8,6 @@
 #include "core/base/try.h"
 #include "core/base/wide.h"
 #include "core/deform/compiled_parts.h"
-#include "core/deform/given_triangles.h"
 #include "core/deform/registered_parts.h"
 #include "core/mesh/locate.h"
 

@@ -10,8 +10,9 @@
 #include <fmt/format.h>
 
 #include "arap/core/cost.h"
+#include "core/base/plane.h"
 #include "core/base/try.h"
-#include "core/deform/given_triangles.h"
+#include "core/deform/registered_parts.h"
 #include "core/mesh/locate.h"
 
 namespace arap {
@@ -201,7 +202,7 @@ class Placer {
   Result<Seat> SitOn(const PointAnchor& anchor, const Named& named) {
     const std::string field = named.Field("position");
     const Complex p = mesh_.Normalise(anchor.position);
-    if (!std::isfinite(p.real()) || !std::isfinite(p.imag())) {
+    if (!IsFinite(p)) {
       return Fail(named.Bad(FaultKind::kInvalidOption, field,
                             fmt::format("{} is too far away for this mesh.", field)));
     }

@@ -18,16 +18,6 @@ namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-struct Box {
-  double x0 = kInf, y0 = kInf, x1 = -kInf, y1 = -kInf;
-  void Add(Complex p) {
-    x0 = std::min(x0, p.real()), x1 = std::max(x1, p.real());
-    y0 = std::min(y0, p.imag()), y1 = std::max(y1, p.imag());
-  }
-  Complex center() const { return {0.5 * (x0 + x1), 0.5 * (y0 + y1)}; }
-  double diagonal() const { return std::hypot(x1 - x0, y1 - y0); }
-};
-
 // The vertex of each component whose distance from its component's `from` point is nearest to
 // `wanted`; `skip` is left out.
 std::vector<std::uint32_t> NearestToDistance(const RegisteredMeshParts& parts,
@@ -47,7 +37,7 @@ std::vector<std::uint32_t> NearestToDistance(const RegisteredMeshParts& parts,
 
 void PlaceComponents(RegisteredMeshParts& parts) {
   const std::size_t count = parts.topology.components;
-  std::vector<Box> boxes(count);
+  std::vector<Bounds> boxes(count);
   for (std::size_t v = 0; v < parts.rest.size(); ++v) {
     const std::uint32_t c = parts.topology.vertex_component[v];
     if (c != kNone) boxes[c].Add(parts.rest[v]);
@@ -68,10 +58,7 @@ void PlaceComponents(RegisteredMeshParts& parts) {
 }
 
 void Normalise(RegisteredMeshParts& parts) {
-  Box box;
-  for (const Triangle& t : parts.mesh.triangles) {
-    for (const std::uint32_t v : t) box.Add(parts.mesh.vertices[v]);
-  }
+  const Bounds box = BoundsOf(parts.mesh.vertices, parts.mesh.triangles);
   parts.origin = box.center();
   parts.report.diagonal = box.diagonal();
   parts.rest.reserve(parts.mesh.vertices.size());

@@ -7,14 +7,15 @@
 
 #include "arap/core/deformer.h"
 #include "core/base/names.h"
+#include "core/base/plane.h"
 #include "core/base/try.h"
 
 namespace arap {
 namespace {
 
 bool IsGood(const Target& t) {
-  return std::isfinite(t.position.real()) && std::isfinite(t.position.imag()) &&
-         std::isfinite(t.angle) && t.scale >= 0 && t.scale <= Target::kMaxScale;
+  return IsFinite(t.position) && std::isfinite(t.angle) && t.scale >= 0 &&
+         t.scale <= Target::kMaxScale;
 }
 
 }  // namespace

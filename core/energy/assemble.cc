@@ -223,24 +223,6 @@ Eigen::SparseMatrix<double> AssembleRigid(const Cells& cells, const std::vector<
   return FromTriplets(triplets, fixed);
 }
 
-std::vector<Complex> SimilarityColumn(const Cells& cells, std::size_t vertices,
-                                      std::uint32_t vertex) {
-  std::vector<Complex> column(vertices);
-  ForEachBlock(cells, [&](const Block& block) {
-    const auto ids = block.vertices();
-    const auto at = std::find(ids.begin(), ids.end(), vertex);
-    if (at == ids.end()) return;
-    const auto j = static_cast<std::size_t>(at - ids.begin());
-    for (std::size_t r = 0; r < block.rows(); ++r) {
-      const Complex* row = block.row(r);
-      for (std::size_t i = 0; i < ids.size(); ++i) {
-        column[ids[i]] += block.weight(r) * std::conj(row[i]) * row[j];
-      }
-    }
-  });
-  return column;
-}
-
 SimilarityForce SimilarityForceAt(const Cells& cells, std::span<const Complex> shape) {
   SimilarityForce at{0, std::vector<Complex>(shape.size())};
   ForEachBlock(cells, [&](const Block& block) {

@@ -19,10 +19,6 @@ Eigen::SparseMatrix<Complex> AssembleSimilarity(const Cells& cells, const std::v
 // Step 2, the Laplacian of the energy edges; stored and fixed alike.
 Eigen::SparseMatrix<double> AssembleRigid(const Cells& cells, const std::vector<bool>& fixed);
 
-// Column `vertex` of the full (not fixed) similarity matrix, dense, #V.
-std::vector<Complex> SimilarityColumn(const Cells& cells, std::size_t vertices,
-                                      std::uint32_t vertex);
-
 // The step-1 energy xᴴ H x of a shape (#V) and H x, half its gradient. From the residuals of the
 // cells: the energy of a shape that is almost exact keeps its digits.
 struct SimilarityForce {

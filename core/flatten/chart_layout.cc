@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/base/plane.h"
 #include "core/base/try.h"
 #include "core/flatten/abf/abf.h"
 #include "core/flatten/distortion.h"
@@ -23,8 +24,7 @@ constexpr double kRoughly = 1e-2;
 constexpr double kExactly = 1e-5;
 
 bool AllFinite(const std::vector<Complex>& points) {
-  return std::all_of(points.begin(), points.end(),
-                     [](Complex p) { return std::isfinite(p.real()) && std::isfinite(p.imag()); });
+  return std::all_of(points.begin(), points.end(), IsFinite);
 }
 
 bool IsFaceCotangent(const EnergyOptions& energy) {

@@ -17,7 +17,6 @@
 #include "core/flatten/assembly.h"
 #include "core/flatten/chart.h"
 #include "core/flatten/chart_layout.h"
-#include "core/flatten/given.h"
 #include "core/flatten/layout/chart_factors.h"
 #include "core/flatten/layout/wishes.h"
 

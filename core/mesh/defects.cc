@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "core/base/try.h"
@@ -20,14 +19,6 @@ namespace {
 
 // A tolerance below this part of the diagonal is none.
 constexpr double kNoTolerance = 1e-12;
-
-double DiagonalOf(std::span<const Point3> points, std::span<const Triangle> triangles) {
-  Eigen::AlignedBox3d box;
-  for (const Triangle& t : triangles) {
-    for (const std::uint32_t v : t) box.extend(Vec(points[v]));
-  }
-  return box.isEmpty() ? 0 : box.diagonal().norm();
-}
 
 std::vector<std::uint32_t> UsedVertices(std::size_t count, std::span<const Triangle> triangles) {
   std::vector<bool> used(count, false);

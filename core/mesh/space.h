@@ -1,6 +1,9 @@
 // Points of space for computing with: the arrays of the model seen as vectors.
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -16,6 +19,15 @@ inline Eigen::Map<const Eigen::Vector3d> Vec(const Point3& point) {
 // Twice the area of a triangle, never negative.
 inline double TwiceArea(const Point3& a, const Point3& b, const Point3& c) {
   return (Vec(b) - Vec(a)).cross(Vec(c) - Vec(a)).norm();
+}
+
+// The diagonal of the box round the corners of triangles, 0 without any.
+inline double DiagonalOf(std::span<const Point3> points, std::span<const Triangle> triangles) {
+  Eigen::AlignedBox3d box;
+  for (const Triangle& t : triangles) {
+    for (const std::uint32_t v : t) box.extend(Vec(points[v]));
+  }
+  return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
 inline Point3 ToPoint3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -108,32 +107,10 @@ Status CheckBasics(const Mesh& mesh, const MeshLimits& limits) {
 double Distance(const Complex& a, const Complex& b) { return std::abs(a - b); }
 double Distance(const Point3& a, const Point3& b) { return (Vec(a) - Vec(b)).norm(); }
 
-double Diagonal(const std::vector<Complex>& points, const std::vector<Triangle>& triangles) {
-  constexpr double kInf = std::numeric_limits<double>::infinity();
-  double x0 = kInf, y0 = kInf, x1 = -kInf, y1 = -kInf;
-  for (const Triangle& t : triangles) {
-    for (const std::uint32_t v : t) {
-      x0 = std::min(x0, points[v].real()), x1 = std::max(x1, points[v].real());
-      y0 = std::min(y0, points[v].imag()), y1 = std::max(y1, points[v].imag());
-    }
-  }
-  return std::hypot(x1 - x0, y1 - y0);
-}
-double Diagonal(const std::vector<Point3>& points, const std::vector<Triangle>& triangles) {
-  Eigen::Vector3d low = Vec(points[triangles[0][0]]), high = low;
-  for (const Triangle& t : triangles) {
-    for (const std::uint32_t v : t) {
-      low = low.cwiseMin(Vec(points[v]));
-      high = high.cwiseMax(Vec(points[v]));
-    }
-  }
-  return (high - low).norm();
-}
-
 template <class Point>
 std::vector<std::uint32_t> Degenerate(const std::vector<Point>& points,
                                       const std::vector<Triangle>& triangles) {
-  const double smallest = kDegenerateRatio * Diagonal(points, triangles);
+  const double smallest = kDegenerateRatio * DiagonalOf(points, triangles);
   std::vector<std::uint32_t> found;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Point& a = points[triangles[t][0]];

@@ -8,6 +8,7 @@
 #include <arap/v1/deformation_service.pb.h>
 #include <fmt/format.h>
 
+#include "core/base/plane.h"
 #include "core/base/try.h"
 #include "proto/convert/plain.h"
 
@@ -205,7 +206,7 @@ Result<std::vector<Complex>> PicksFromWire(const google::protobuf::RepeatedField
   }
   std::vector<Complex> picks = Points(numbers);
   for (std::size_t i = 0; i < picks.size(); ++i) {
-    if (std::isfinite(picks[i].real()) && std::isfinite(picks[i].imag())) continue;
+    if (IsFinite(picks[i])) continue;
     return Fail(
         Fault(FaultKind::kNonFiniteTarget, fmt::format("Pick point {} is NaN or infinite.", i))
             .Field(fmt::format("pick_points[{}]", 2 * i))

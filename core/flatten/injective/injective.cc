@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/plane.h"
 #include "core/base/try.h"
 #include "core/flatten/distortion.h"
 #include "core/flatten/injective/tutte.h"
@@ -129,7 +130,7 @@ Status CheckPins(const std::vector<LayoutPin>& pins, std::size_t vertices) {
       what = fmt::format("Pin {} names vertex {}; there are {}.", k, pin.vertex, vertices);
     } else if (seen[pin.vertex]) {
       what = fmt::format("Pin {} holds vertex {} a second time.", k, pin.vertex);
-    } else if (!std::isfinite(pin.uv.real()) || !std::isfinite(pin.uv.imag())) {
+    } else if (!IsFinite(pin.uv)) {
       what = fmt::format("Pin {} of vertex {} has a place that is not finite.", k, pin.vertex);
     } else if (!(pin.weight > 0)) {
       what = fmt::format("Pin {} of vertex {} has the weight {}; it must be positive.", k,
@@ -252,9 +253,7 @@ class Search {
   Status Start(std::span<const Complex> candidate, InjectiveLayout& layout) {
     std::vector<std::vector<Complex>> starts;  // injective or not, pins not met
     const bool given = candidate.size() == mesh_.vertices.size() &&
-                       std::all_of(candidate.begin(), candidate.end(), [](Complex z) {
-                         return std::isfinite(z.real()) && std::isfinite(z.imag());
-                       });
+                       std::all_of(candidate.begin(), candidate.end(), IsFinite);
     if (given) {
       starts.emplace_back(candidate.begin(), candidate.end());
       layout.uv = starts.back();

@@ -1,4 +1,4 @@
-#include "core/deform/given_triangles.h"
+#include "core/deform/registered_parts.h"
 
 #include <algorithm>
 #include <cstddef>
