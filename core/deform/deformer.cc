@@ -10,6 +10,7 @@
 #include "core/base/try.h"
 #include "core/deform/compiled_parts.h"
 #include "core/deform/target_rows.h"
+#include "core/deform/vertex_runs.h"
 #include "core/energy/local_step.h"
 
 namespace arap {
@@ -41,16 +42,14 @@ class Frame {
   Result<ShapeQuality> Finish(std::span<const Target> targets, std::vector<Complex>& positions);
 
  private:
-  // p ↦ place + turn·(p − from)
-  struct Similarity {
-    Complex from, place, turn;
-  };
-
   std::size_t n() const { return mesh_.rest.size(); }
   double* x() { return shape_.data(); }
   double* y() { return shape_.data() + n(); }
   ConstShapeView View() const { return {shape_.data(), shape_.data() + n()}; }
 
+  bool IsActive(const VertexRun& run) const {
+    return run.component != kNone && set_.roles.active_slot[run.component] != kNone;
+  }
   void FitBase();
   void StartFromBase(bool rigid);
   bool Place(std::vector<Complex>& positions);
@@ -146,14 +145,12 @@ void Frame::FitBase() {
 
 // shape := the base, or its rigid part; miss := what the rows lack.
 void Frame::StartFromBase(bool rigid) {
-  for (std::size_t v = 0; v < n(); ++v) {
-    const std::uint32_t c = mesh_.topology.vertex_component[v];
-    Complex p = mesh_.rest[v];
-    if (c != kNone && set_.roles.active_slot[c] != kNone) {
-      p = base_[c].place + (rigid ? mean_[c] : base_[c].turn) * (p - base_[c].from);
-    }
-    x()[v] = p.real();
-    y()[v] = p.imag();
+  for (const VertexRun& run : mesh_.runs) {
+    const Similarity start = !IsActive(run) ? Similarity{0, 0, 1}
+                             : rigid        ? Similarity{base_[run.component].from,
+                                                  base_[run.component].place, mean_[run.component]}
+                                            : base_[run.component];
+    SetToSimilarity(run, mesh_.rest, start, {x(), y()});
   }
   for (std::size_t i = 0; i < miss_.size(); ++i) {
     const std::size_t r = set_.roles.active_rows[i];
@@ -164,21 +161,23 @@ void Frame::StartFromBase(bool rigid) {
 // Back to the units of the mesh, into `positions`. False when a number is not finite.
 bool Frame::Place(std::vector<Complex>& positions) {
   const double unit = mesh_.report.diagonal;
-  double probe = 0;  // NaN or infinite as soon as one number is
-  for (std::size_t v = 0; v < n(); ++v) {
-    const std::uint32_t c = mesh_.topology.vertex_component[v];
-    if (c != kNone && set_.roles.active_slot[c] != kNone) {
-      positions[v] = mesh_.origin + unit * (Complex(x()[v], y()[v]) + targets_.middle());
-    } else {
-      positions[v] = mesh_.mesh.vertices[v];
-      if (c != kNone) positions[v] += unit * targets_.shift(c);
+  bool finite = true;
+  for (const VertexRun& run : mesh_.runs) {
+    if (IsActive(run)) {
+      finite &= ToUnits(run, View(), targets_.middle(), unit, mesh_.origin, positions);
+      continue;
     }
-    probe += 0 * positions[v].real() + 0 * positions[v].imag();
+    const Complex shift = run.component == kNone ? 0 : unit * targets_.shift(run.component);
+    for (std::size_t v = run.begin; v < run.end; ++v) {
+      positions[v] = mesh_.mesh.vertices[v];
+      if (run.component != kNone) positions[v] += shift;
+      finite &= std::isfinite(positions[v].real()) && std::isfinite(positions[v].imag());
+    }
   }
   // A vertex that stands for others is the lowest of them.
   const std::vector<std::uint32_t>& standing = mesh_.repair.vertex;
   for (std::size_t v = 0; v < standing.size(); ++v) positions[v] = positions[standing[v]];
-  return probe == 0;
+  return finite;
 }
 
 ShapeQuality Frame::Measure(std::span<const Target> given,

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/try.h"
+#include "core/deform/vertex_runs.h"
 #include "core/energy/assemble.h"
 
 namespace arap {
@@ -217,11 +218,7 @@ void DirectSolver::CompleteForce(std::span<const Complex> miss, std::span<double
 Status DirectSolver::AddRigid(const double* solution, std::span<const Complex> miss,
                               ShapeView shape, SolverScratch& scratch) const {
   const std::size_t n = mesh_->rest.size();
-  const auto add = [&](const double* change) {
-    for (std::size_t v = 0; v < n; ++v) shape.x[v] += change[v];
-    for (std::size_t v = 0; v < n; ++v) shape.y[v] += change[n + v];
-  };
-  add(solution);
+  AddShape(solution, solution + n, n, shape);
   if (inside_.empty()) return {};
 
   for (std::size_t j = 0; j < inside_.size(); ++j) {
@@ -246,7 +243,7 @@ Status DirectSolver::AddRigid(const double* solution, std::span<const Complex> m
   }
   // Not the workspace of `solution`, which other frames still read.
   TRY(const auto z, rigid_.factor->Solve(right, 2, scratch.correction));
-  add(z.data());
+  AddShape(z.data(), z.data() + n, n, shape);
   return {};
 }
 

@@ -4,6 +4,7 @@
 
 #include "core/base/try.h"
 #include "core/base/wide.h"
+#include "core/deform/vertex_runs.h"
 
 namespace arap {
 namespace {
@@ -180,14 +181,12 @@ Status NullSpaceSolver::AddSimilarity(std::span<const Complex> miss, ShapeView s
   similarity_.Solve(scratch.similarity);
   const auto& solution = scratch.similarity.solution;
   const std::size_t n = mesh_->rest.size();
-  for (std::size_t v = 0; v < n; ++v) {
-    const std::uint32_t c = mesh_->topology.vertex_component[v];
-    if (c == kNone || slot_[c] == kNone) continue;
-    const auto at = k + 2 * static_cast<Eigen::Index>(slot_[c]);
-    const Complex p =
-        solution[at] + solution[at + 1] * (mesh_->rest[v] - mesh_->components[c].center);
-    shape.x[v] += p.real();
-    shape.y[v] += p.imag();
+  for (const VertexRun& run : mesh_->runs) {
+    if (run.component == kNone || slot_[run.component] == kNone) continue;
+    const auto at = k + 2 * static_cast<Eigen::Index>(slot_[run.component]);
+    AddSimilarityOf(run, mesh_->rest,
+                    {mesh_->components[run.component].center, solution[at], solution[at + 1]},
+                    shape);
   }
   AddColumns(2 * rows_.size(), n, shape, [&](std::size_t i) -> ScaledColumn {
     const Responses::Column& column = responses_->of(columns_[i / 2]);
@@ -217,10 +216,7 @@ Status NullSpaceSolver::AddRigid(const double* solution, std::span<const Complex
     scratch.rigid_x.right[i] = left.real();
     scratch.rigid_y.right[i] = left.imag();
   }
-  if (solution) {
-    for (std::size_t v = 0; v < n; ++v) shape.x[v] += solution[v];
-    for (std::size_t v = 0; v < n; ++v) shape.y[v] += solution[n + v];
-  }
+  if (solution) AddShape(solution, solution + n, n, shape);
   rigid_.Solve(scratch.rigid_x);
   rigid_.Solve(scratch.rigid_y);
   const auto &x = scratch.rigid_x.solution, &y = scratch.rigid_y.solution;
@@ -228,12 +224,10 @@ Status NullSpaceSolver::AddRigid(const double* solution, std::span<const Complex
     const auto row = static_cast<Eigen::Index>(i);
     return {responses_->of(columns_[i]).rigid.data(), {x[row], y[row]}};
   });
-  for (std::size_t v = 0; v < n; ++v) {
-    const std::uint32_t c = mesh_->topology.vertex_component[v];
-    if (c == kNone || slot_[c] == kNone) continue;
-    const auto at = k + static_cast<Eigen::Index>(slot_[c]);
-    shape.x[v] += x[at];
-    shape.y[v] += y[at];
+  for (const VertexRun& run : mesh_->runs) {
+    if (run.component == kNone || slot_[run.component] == kNone) continue;
+    const auto at = k + static_cast<Eigen::Index>(slot_[run.component]);
+    Shift(run, {x[at], y[at]}, shape);
   }
   return {};
 }

@@ -131,7 +131,8 @@ void Report(std::vector<Warning> warnings, std::size_t clamped, RegisteredMeshPa
       parts.similarity->bytes() + parts.rigid->bytes() + parts.cells.bytes() +
       parts.rest.size() * 2 * sizeof(Complex) +
       parts.mesh.triangles.size() * (2 * sizeof(Triangle) + sizeof(std::uint32_t)) +
-      parts.topology.edges.size() * sizeof(Edge) + parts.repair.given.size() * sizeof(Triangle) +
+      parts.topology.edges.size() * sizeof(Edge) + parts.runs.size() * sizeof(VertexRun) +
+      parts.repair.given.size() * sizeof(Triangle) +
       (parts.repair.vertex.size() + parts.repair.triangle.size()) * sizeof(std::uint32_t);
 }
 
@@ -181,6 +182,7 @@ Result<std::shared_ptr<const RegisteredMesh>> RegisteredMesh::Make(PlanarMesh me
     parts->turned.push_back(given[t] != parts->mesh.triangles[t]);
   }
   parts->topology = BuildTopology(parts->mesh.vertices.size(), parts->mesh.triangles);
+  parts->runs = RunsOf(parts->topology.vertex_component);
   Normalise(*parts);
   PlaceComponents(*parts);
   parts->nearby = NearbyOrder(parts->rest, parts->mesh.triangles);

@@ -9,6 +9,7 @@
 
 #include "arap/core/registered_mesh.h"
 #include "core/deform/stretch.h"
+#include "core/deform/vertex_runs.h"
 #include "core/energy/cells.h"
 #include "core/mesh/locate.h"
 #include "core/mesh/repair.h"
@@ -47,6 +48,7 @@ struct RegisteredMeshParts {
   std::vector<std::uint32_t> nearby;  // #F, NearbyOrder of the rest shape
   Complex origin;
   std::vector<Complex> rest;  // #V, normalised
+  std::vector<VertexRun> runs;  // of topology.vertex_component
   std::vector<MeshComponent> components;
   Cells cells;
   StretchTable stretch;

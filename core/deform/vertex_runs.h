@@ -1,0 +1,45 @@
+// Vertex runs: neighbouring vertices of one component, which move together where no handle bends them. A frame passes
+// over the shape run by run, several vertices at a time. For this folder only.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "arap/model/mesh.h"
+#include "core/energy/local_step.h"
+
+namespace arap {
+
+// Vertices [begin, end) of one component, or of no triangle (kNone).
+struct VertexRun {
+  std::uint32_t begin = 0, end = 0;
+  std::uint32_t component = 0;
+};
+
+// All vertices in order. `component` is Topology::vertex_component (#V).
+std::vector<VertexRun> RunsOf(std::span<const std::uint32_t> component);
+
+// p ↦ place + turn·(p − from)
+struct Similarity {
+  Complex from, place, turn;
+};
+
+// shape := similarity(rest) and shape += similarity(rest), over the run. The same bytes on every processor, as for all
+// of these.
+void SetToSimilarity(const VertexRun& run, std::span<const Complex> rest,
+                     const Similarity& similarity, ShapeView shape);
+void AddSimilarityOf(const VertexRun& run, std::span<const Complex> rest,
+                     const Similarity& similarity, ShapeView shape);
+
+// shape += by, over the run.
+void Shift(const VertexRun& run, Complex by, ShapeView shape);
+
+// shape += (x, y), all `n` vertices.
+void AddShape(const double* x, const double* y, std::size_t n, ShapeView shape);
+
+// positions := origin + unit·(shape + middle), over the run. False when a number is not finite.
+bool ToUnits(const VertexRun& run, ConstShapeView shape, Complex middle, double unit,
+             Complex origin, std::span<Complex> positions);
+
+}  // namespace arap
