@@ -14,6 +14,7 @@
 
 #include "tests/bench/bumpy_cap.h"
 #include "tests/bench/cgal_scheme.h"
+#include "tests/bench/compare_runs.h"
 #include "tests/bench/contenders.h"
 #include "tests/bench/deform_section.h"
 #include "tests/bench/flatten_section.h"
@@ -32,7 +33,7 @@ const std::map<std::string, Basis> kBases{{"edge", Basis::kEdge},
                                           {"vertex", Basis::kVertex}};
 
 struct Options {
-  std::string json, basis = "edge", surfaces;
+  std::string json, compare, basis = "edge", surfaces;
   std::vector<std::string> only, sizes;  // empty: all that a section has
   double budget = 300;
 };
@@ -115,11 +116,17 @@ int Run(const Options& options) {
     if (!only.empty() && std::ranges::find(only, section.only) == only.end()) continue;
     all[section.name] = section.run(options);
   }
-  if (options.json.empty()) return 0;
-  std::ofstream file(options.json);
-  file << all.dump(2) << '\n';
-  if (!file.flush()) Die("cannot write " + options.json);
-  return 0;
+  if (!options.json.empty()) {
+    std::ofstream file(options.json);
+    file << all.dump(2) << '\n';
+    if (!file.flush()) Die("cannot write " + options.json);
+  }
+  if (options.compare.empty()) return 0;
+  const Json before = Json::parse(std::ifstream(options.compare), nullptr, false);
+  if (!before.is_object()) Die(options.compare + " is not what --json has written");
+  const Comparison comparison = CompareRuns(before, all);
+  PrintComparison(comparison);
+  return comparison.regressed() ? 1 : 0;
 }
 
 }  // namespace
@@ -130,6 +137,11 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Our core beside other ways of doing the same"};
   app.add_option("--json", options.json, "write the figures to this file");
+  app.add_option(
+         "--compare", options.compare,
+         "show what has changed since the run that wrote this file; 1 is the exit code when "
+         "something of ours has become slower or larger")
+      ->check(CLI::ExistingFile);
   app.add_option("--only", options.only, "sections to run")
       ->delimiter(',')
       ->check(CLI::IsMember({"deform", "flatten"}));

@@ -10,7 +10,8 @@ namespace arap::bench {
 
 // Durations in microseconds (medians of processor time), sizes in bytes, "vertices" and
 // "triangles". "refine1_us" is a whole update with one refinement, "paper_distance" the largest
-// distance between the paper's shapes and ours for the same energy, in diagonals. CGAL's entries
+// distance between the paper's shapes and ours for the same energy, in diagonals; "floor_us" two
+// plain reads of as much memory as the factor of step 2 takes, "update_over_floor" the update over it. CGAL's entries
 // are there only with CGAL.
 //
 // First makes sure that the paper's scheme and ours, asked for the same energy, give the same
