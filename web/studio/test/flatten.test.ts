@@ -234,6 +234,7 @@ test("seams are undone, redone, closed one by one and all together", async () =>
   await page.tool("Line");
   await page.click("model", tubeVertex(1, 4), tubeVertex(1, 5));
   await page.until("shop.pattern.seams.length === 8");
+  await page.settle(); // or the piece moves under the next click
   await page.tool("Edge");
   await page.click("views[0]", tubeVertex(6, 4), tubeVertex(6, 5));
   await page.until("shop.pattern.seams.length === 9");
