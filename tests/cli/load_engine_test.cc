@@ -226,6 +226,7 @@ TEST(LoadEngine, ASearchStopsWhereNothingIsMet) {
   LoadStub stub(&ServeAll);
   LoadRequest request = To(stub);
   request.seconds = 0.1;
+  request.warm_up = 0.1;
   request.rate = 20;
   request.resolution = 1;
   const auto rule = ParseThreshold("p99<0.001us");
@@ -237,6 +238,10 @@ TEST(LoadEngine, ASearchStopsWhereNothingIsMet) {
   EXPECT_THAT(results.steps, Each(Field(&LoadStep::met, false)));
   EXPECT_EQ(results.steps.front().rate, 20);
   EXPECT_EQ(results.steps.back().rate, 0.1);
+  EXPECT_EQ(results.warm_up_seconds, 0.1) << "of each";
+  for (const LoadStep& step : results.steps) {
+    EXPECT_LE(step.answered * step.seconds, step.rate * step.seconds + 1) << "what warms up counts not";
+  }
 }
 
 TEST(LoadEngine, AProfileHasAStepForEachOfItsRates) {
@@ -250,7 +255,8 @@ TEST(LoadEngine, AProfileHasAStepForEachOfItsRates) {
   EXPECT_EQ(results.steps[0].rate, 50);
   EXPECT_EQ(results.steps[1].rate, 100);
   const OperationResults& drags = results.operations[Operation::kDrag];
-  EXPECT_EQ(drags.sent + drags.unsent, 30u);
+  EXPECT_EQ(drags.sent + drags.unsent, 30u) << "what warms up does not count";
+  EXPECT_DOUBLE_EQ(results.warm_up_seconds, 0.2) << "one for each";
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -31,8 +32,10 @@ class StallingServer {
 };
 
 // A whole run, one event after the other.
-LoadResults Simulate(Sender sender, Moment from = Moment(0)) {
-  Tally tally(from);
+LoadResults Simulate(Sender sender, Moment from = Moment(0),
+                     const std::shared_ptr<const RateProfile>& steps = nullptr) {
+  std::vector<std::unique_ptr<Tally>> tallies;
+  Tally& tally = *tallies.emplace_back(std::make_unique<Tally>(from, steps));
   StallingServer server;
   struct OnItsWay {
     Sent sent;
@@ -55,6 +58,7 @@ LoadResults Simulate(Sender sender, Moment from = Moment(0)) {
   }
   LoadResults results;
   tally.AddTo(results);
+  if (steps) Tally::AddTimes(tallies, FromSeconds(steps->seconds()), results);
   return results;
 }
 
@@ -133,6 +137,29 @@ TEST(Honesty, NothingOfTheWarmUpCounts) {
   const OperationResults& drags = results.operations[Operation::kDrag];
   EXPECT_EQ(drags.sent, 500u);
   EXPECT_NEAR(drags.response.Max(), 1e6 * kService, 1) << "the stall was before";
+}
+
+// The stall is in the second of two steps; with a warm-up it is in the first, and what it has held up is answered
+// while the second warms up.
+TEST(Honesty, AStepHasNothingOfTheOneBeforeIt) {
+  for (const double warm_up : {0.0, 2.0}) {
+    const auto steps = RateProfile::Parse("step:100,100", 4);
+    ASSERT_TRUE(steps);
+    const auto profile = std::make_shared<const RateProfile>(steps->WarmedUp(warm_up));
+    const Sender::Options options{Moment(0), FromSeconds(profile->seconds()), kMostOnTheirWay};
+    const LoadResults results =
+        Simulate(Sender(options, Arrivals(profile, {})), Moment(0), profile);
+    ASSERT_EQ(results.steps.size(), 2u);
+    EXPECT_EQ(results.operations[Operation::kDrag].sent, 400u);
+    if (warm_up > 0) {
+      EXPECT_GT(results.steps[0].p99, 0.9e6);
+      EXPECT_NEAR(results.steps[1].p99, 1e6 * kService, 0.01e6 * kService);
+      EXPECT_EQ(results.intervals.size(), 4u) << "of what counts";
+    } else {
+      EXPECT_NEAR(results.steps[0].p99, 1e6 * kService, 0.01e6 * kService);
+      EXPECT_GT(results.steps[1].p99, 0.9e6);
+    }
+  }
 }
 
 TEST(Sender, SendsSoManyAndNotMore) {

@@ -48,10 +48,29 @@ TEST(RateProfile, KnowsItsPieces) {
   EXPECT_EQ(steps->PieceAt(2), 1u);
   EXPECT_EQ(steps->PieceAt(5.9), 2u);
   EXPECT_EQ(steps->PieceAt(100), 2u);
-  const RateProfile later = steps->After(3);
-  EXPECT_NEAR(later.seconds(), 9, 1e-9);
-  EXPECT_NEAR(later.Before(3), 30, 1e-9);
-  EXPECT_NEAR(later.Before(5), 50, 1e-9);
+}
+
+TEST(RateProfile, WarmsUpBeforeEachPiece) {
+  const auto steps = RateProfile::Parse("step:10,20", 4);
+  ASSERT_TRUE(steps);
+  const RateProfile warm = steps->WarmedUp(3);
+  EXPECT_NEAR(warm.seconds(), 10, 1e-9);
+  EXPECT_NEAR(warm.Before(3), 30, 1e-9);
+  EXPECT_NEAR(warm.Before(5), 50, 1e-9);
+  EXPECT_NEAR(warm.Before(8), 110, 1e-9) << "at the rate of the next";
+  ASSERT_EQ(warm.pieces().size(), 4u);
+  for (const std::size_t i : {0u, 1u, 2u, 3u}) EXPECT_EQ(warm.pieces()[i].counts, i % 2 == 1) << i;
+  for (const auto& [time, counted] : {std::pair(-1.0, 0.0), std::pair(3.0, 0.0), std::pair(4.5, 1.5),
+                                      std::pair(7.0, 2.0), std::pair(10.0, 4.0), std::pair(11.0, 5.0)}) {
+    EXPECT_NEAR(warm.Counted(time), counted, 1e-9) << time;
+  }
+  // A ramp goes on where it was.
+  const auto ramp = RateProfile::Parse("ramp:0,100", 10);
+  ASSERT_TRUE(ramp);
+  const RateProfile slow = ramp->WarmedUp(1);
+  ASSERT_EQ(slow.pieces().size(), 20u);
+  for (std::size_t i = 1; i < 20; ++i) EXPECT_EQ(slow.pieces()[i].from, slow.pieces()[i - 1].to) << i;
+  EXPECT_EQ(ramp->WarmedUp(0).pieces().size(), 10u);
 }
 
 TEST(RateProfile, RefusesWhatIsNone) {

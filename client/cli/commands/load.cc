@@ -193,7 +193,7 @@ void AddLength(CLI::App& command, LoadRequest& request) {
       ->option_text("S");
   command
       .add_option("--warm-up", request.warm_up,
-                  "send for so long before, without counting it; of a search before each rate")
+                  "send for so long before, without counting it; of a search and a profile before each rate")
       ->check(Between(0, 1e6))
       ->option_text("S");
   command

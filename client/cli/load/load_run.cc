@@ -105,7 +105,6 @@ class LoadCourse {
     } else if (const auto rate = TotalRate()) {
       profile = RateProfile::Constant(*rate, length_);
     }
-    if (request_.profile) steps_ = std::make_shared<const RateProfile>(*profile);
     const auto phase = MakePhase(profile);
     OpenSessions();
     if (phase->each_from_opening) {
@@ -146,11 +145,11 @@ class LoadCourse {
     const bool bound = !profile || request_.fps;
     phase->window = request_.window.value_or(bound ? 1 : kMostOnTheirWay);
     if (profile) {
-      phase->profile = std::make_shared<const RateProfile>(profile->After(request_.warm_up));
+      phase->profile = std::make_shared<const RateProfile>(profile->WarmedUp(request_.warm_up));
     }
     if (request_.echo > 0) {
       phase->echo = std::make_shared<const RateProfile>(
-          RateProfile::Constant(request_.echo, request_.warm_up + length_));
+          RateProfile::Constant(request_.echo, LengthOf(*phase)));
     }
     return phase;
   }
@@ -162,10 +161,12 @@ class LoadCourse {
       phase.begin += std::chrono::milliseconds(10) +
                      static_cast<Moment::rep>(request_.streams) * std::chrono::microseconds(10);
     }
-    const Moment from = phase.begin + FromSeconds(request_.warm_up);
-    phase.end = from + FromSeconds(length_);
+    // A profile says itself what of it counts.
+    const bool steps = request_.profile.has_value();
+    const Moment from = phase.begin + FromSeconds(steps ? 0 : request_.warm_up);
+    phase.end = phase.begin + FromSeconds(LengthOf(phase));
     began_ = from;
-    phase.tallies = LoadEngine::MakeTallies(from, steps_);
+    phase.tallies = LoadEngine::MakeTallies(from, steps ? phase.profile : nullptr);
   }
 
   void OpenSessions() {
@@ -175,20 +176,34 @@ class LoadCourse {
     engine_.OpenSessions(opening_->TallyOf(0));
   }
 
+  // The warm-up of a phase in all, and how long it is with that.
+  double WarmUpOf(const LoadPhase& phase) const {
+    const bool steps = request_.profile && request_.warm_up > 0;
+    return request_.warm_up * (steps ? static_cast<double>(phase.profile->pieces().size() / 2) : 1);
+  }
+  double LengthOf(const LoadPhase& phase) const { return WarmUpOf(phase) + length_; }
+  // Whether the second that ends so many seconds after the beginning counts.
+  bool CountsBefore(const LoadPhase& phase, double seconds) const {
+    if (!request_.profile) return seconds > request_.warm_up;
+    return phase.profile->pieces()[phase.profile->PieceAt(seconds - 0.5)].counts;
+  }
+
   // The numbers of a phase, without its troubles.
   LoadResults Send(const std::shared_ptr<LoadPhase>& phase, const Counts& goes_on) {
     const PhaseEnd end = engine_.Run(phase, [&](double seconds, const Glance& glance) {
       errors_ += glance.failed;
+      const bool counts = CountsBefore(*phase, seconds);
       line_.Show(
-          ProgressText({seconds, request_.count ? 0 : request_.warm_up + length_,
-                        seconds <= request_.warm_up, static_cast<double>(glance.answered),
+          ProgressText({seconds, request_.count ? 0 : LengthOf(*phase),
+                        !counts, static_cast<double>(glance.answered),
                         glance.response.Quantile(0.5), glance.response.Quantile(0.99), errors_}),
           errors_ > 0 ? std::optional(Look::kBad) : std::nullopt);
-      return goes_on(seconds > request_.warm_up, glance);
+      return goes_on(counts, glance);
     });
     LoadResults results;
-    results.seconds = std::max(SecondsOf(end.ended - began_), 0.0);
-    results.warm_up_seconds = request_.warm_up;
+    const double ran = std::max(SecondsOf(end.ended - began_), 0.0);
+    results.seconds = request_.profile ? phase->profile->Counted(ran) : ran;
+    results.warm_up_seconds = WarmUpOf(*phase);
     results.own_nanos_per_message = end.own_nanos_per_message;
     for (const auto& tally : phase->tallies) tally->AddTo(results);
     Tally::AddTimes(phase->tallies, end.ended, results);
@@ -249,7 +264,6 @@ class LoadCourse {
   const double length_;
   std::uint64_t errors_ = 0;
   std::shared_ptr<LoadPhase> opening_;  // what opening ran into, unless streams send at once
-  std::shared_ptr<const RateProfile> steps_;
   Moment began_{0};  // what counts of the phase
 };
 

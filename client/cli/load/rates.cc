@@ -84,16 +84,30 @@ Result<RateProfile> RateProfile::Parse(std::string_view text, double seconds) {
   return profile;
 }
 
-RateProfile RateProfile::After(double seconds) const {
+RateProfile RateProfile::WarmedUp(double seconds) const {
   if (seconds <= 0) return *this;
-  std::vector<Piece> pieces{{seconds, pieces_[0].from, pieces_[0].from}};
-  pieces.insert(pieces.end(), pieces_.begin(), pieces_.end());
+  std::vector<Piece> pieces;
+  for (const Piece& piece : pieces_) {
+    pieces.push_back({seconds, piece.from, piece.from, false});
+    pieces.push_back(piece);
+  }
   return RateProfile(std::move(pieces));
 }
 
+double RateProfile::Counted(double time) const {
+  double counted = 0;
+  for (const Piece& piece : pieces_) {
+    if (time <= 0) return counted;
+    if (piece.counts) counted += std::min(time, piece.seconds);
+    time -= piece.seconds;
+  }
+  return counted + std::max(time, 0.0);
+}
+
 std::size_t RateProfile::PieceAt(double time) const {
+  constexpr double kRounding = 2e-9;
   std::size_t i = 0;
-  for (double end = pieces_[0].seconds; i + 1 < pieces_.size() && time >= end;) {
+  for (double end = pieces_[0].seconds; i + 1 < pieces_.size() && time + kRounding >= end;) {
     end += pieces_[++i].seconds;
   }
   return i;

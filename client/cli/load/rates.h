@@ -17,6 +17,7 @@ class RateProfile {
   struct Piece {
     double seconds = 0;       // above 0
     double from = 0, to = 0;  // a second, not below 0
+    bool counts = true;       // else it warms the next one up
 
     double mean() const { return (from + to) / 2; }
   };
@@ -26,12 +27,15 @@ class RateProfile {
   // the other, in ten pieces. kInvalidOption, with the field "profile", for anything else.
   static Result<RateProfile> Parse(std::string_view text, double seconds);
 
-  // The same behind so many seconds at its first rate.
-  RateProfile After(double seconds) const;
+  // The same with so many seconds before each piece, at the rate with which it begins, that do not count.
+  RateProfile WarmedUp(double seconds) const;
 
   double seconds() const { return seconds_; }
+  // How many of the first `time` seconds count; what is behind the end does.
+  double Counted(double time) const;
   const std::vector<Piece>& pieces() const { return pieces_; }
-  // Which piece a time falls into; the last one from the end on.
+  // Which piece a time falls into; the last one from the end on. Two nanoseconds early are on time: times
+  // come rounded to them.
   std::size_t PieceAt(double time) const;
 
   // How many messages are due in the first `time` seconds; a part of one counts as such.

@@ -29,8 +29,21 @@ Tally::Tally(Moment from, std::shared_ptr<const RateProfile> steps)
   if (profile_) steps_.resize(profile_->pieces().size());
 }
 
+std::size_t Tally::PieceOf(Moment intended) const {
+  return profile_->PieceAt(SecondsOf(intended - from_));
+}
+
 Tally::Step* Tally::StepOf(Moment intended) {
-  return profile_ ? &steps_[profile_->PieceAt(At(intended))] : nullptr;
+  return profile_ ? &steps_[PieceOf(intended)] : nullptr;
+}
+
+bool Tally::Counts(Moment intended) const {
+  return intended >= from_ && (!profile_ || profile_->pieces()[PieceOf(intended)].counts);
+}
+
+double Tally::At(Moment moment) const {
+  const double seconds = SecondsOf(moment - from_);
+  return profile_ ? profile_->Counted(seconds) : seconds;
 }
 
 void Tally::CountSent(const Sent& message) {
@@ -187,6 +200,7 @@ void Tally::AddTimes(const std::vector<std::unique_ptr<Tally>>& tallies, Moment 
   results.intervals = intervals.Intervals(first.At(end));
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const RateProfile::Piece& piece = first.profile_->pieces()[i];
+    if (!piece.counts) continue;
     LoadStep& step = results.steps.emplace_back();
     step.rate = piece.mean();
     step.seconds = piece.seconds;

@@ -70,7 +70,8 @@ class StabilityRule {
 // too, with their kinds, so that none goes unseen. Memory is bounded: histograms, intervals and steps.
 class Tally {
  public:
-  // `steps`: the profile whose pieces are told apart, from `from` on; or nothing.
+  // `steps`: the profile whose pieces are told apart, from `from` on, and of which those count that say so;
+  // or nothing.
   explicit Tally(Moment from, std::shared_ptr<const RateProfile> steps = nullptr);
 
   void CountSent(const Sent& message);
@@ -105,8 +106,10 @@ class Tally {
   };
 
   Step* StepOf(Moment intended) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  bool Counts(Moment intended) const { return intended >= from_; }
-  double At(Moment moment) const { return SecondsOf(moment - from_); }
+  std::size_t PieceOf(Moment intended) const;
+  bool Counts(Moment intended) const;
+  // How many seconds that count have gone by.
+  double At(Moment moment) const;
   void Note(const std::string& code, const std::string& reason, const std::string& sentence)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
