@@ -240,7 +240,8 @@ TEST(LoadEngine, ASearchStopsWhereNothingIsMet) {
   EXPECT_EQ(results.steps.back().rate, 0.1);
   EXPECT_EQ(results.warm_up_seconds, 0.1) << "of each";
   for (const LoadStep& step : results.steps) {
-    EXPECT_LE(step.answered * step.seconds, step.rate * step.seconds + 1) << "what warms up counts not";
+    EXPECT_LE(step.answered * step.seconds, step.rate * step.seconds + 1)
+        << "what warms up counts not";
   }
 }
 

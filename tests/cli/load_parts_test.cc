@@ -60,8 +60,9 @@ TEST(RateProfile, WarmsUpBeforeEachPiece) {
   EXPECT_NEAR(warm.Before(8), 110, 1e-9) << "at the rate of the next";
   ASSERT_EQ(warm.pieces().size(), 4u);
   for (const std::size_t i : {0u, 1u, 2u, 3u}) EXPECT_EQ(warm.pieces()[i].counts, i % 2 == 1) << i;
-  for (const auto& [time, counted] : {std::pair(-1.0, 0.0), std::pair(3.0, 0.0), std::pair(4.5, 1.5),
-                                      std::pair(7.0, 2.0), std::pair(10.0, 4.0), std::pair(11.0, 5.0)}) {
+  for (const auto& [time, counted] :
+       {std::pair(-1.0, 0.0), std::pair(3.0, 0.0), std::pair(4.5, 1.5), std::pair(7.0, 2.0),
+        std::pair(10.0, 4.0), std::pair(11.0, 5.0)}) {
     EXPECT_NEAR(warm.Counted(time), counted, 1e-9) << time;
   }
   // A ramp goes on where it was.
@@ -69,7 +70,8 @@ TEST(RateProfile, WarmsUpBeforeEachPiece) {
   ASSERT_TRUE(ramp);
   const RateProfile slow = ramp->WarmedUp(1);
   ASSERT_EQ(slow.pieces().size(), 20u);
-  for (std::size_t i = 1; i < 20; ++i) EXPECT_EQ(slow.pieces()[i].from, slow.pieces()[i - 1].to) << i;
+  for (std::size_t i = 1; i < 20; ++i)
+    EXPECT_EQ(slow.pieces()[i].from, slow.pieces()[i - 1].to) << i;
   EXPECT_EQ(ramp->WarmedUp(0).pieces().size(), 10u);
 }
 

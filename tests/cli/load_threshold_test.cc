@@ -1,4 +1,6 @@
 // What is asked of runs of load, and of the difference of two.
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -105,9 +107,9 @@ TEST(Threshold, SaysWhatIsWrongWithIt) {
 }
 
 TEST(Metric, HasANameThatIsReadAgain) {
-  for (const char* const name :
-       {"p50", "p99.9", "p99.99", "mean", "max", "rate", "errors", "late", "unsent", "replaced",
-        "wrong", "lost", "drag.p99", "queue.p50", "flatten.solve.max", "register.errors"}) {
+  for (const char* const name : {"p50", "p99.9", "p99.99", "mean", "max", "rate", "errors", "late",
+                                 "unsent", "replaced", "wrong", "lost", "resumed", "found",
+                                 "drag.p99", "queue.p50", "flatten.solve.max", "register.errors"}) {
     const Result<Metric> metric = ParseMetric(name);
     ASSERT_TRUE(metric) << name;
     EXPECT_EQ(NameOf(*metric), name);
@@ -180,6 +182,97 @@ TEST(Compare, ASecondThatStallsIsNoiseOfTheP99AndNotOfTheMedian) {
   EXPECT_FALSE(DifferenceOf(run(3), run(7), "drag.p99")->BeyondNoise());
 }
 
+// 100 drags a second, of which so many of second k are late, and as many due ones were not sent and replaced.
+LoadResults WithTroubles(const std::function<std::uint64_t(std::size_t second)>& late) {
+  LoadResults results = MadeResults(20);
+  OperationResults& drag = results.operations[Operation::kDrag];
+  for (std::size_t i = 0; i < results.intervals.size(); ++i) {
+    IntervalOperation& part = results.intervals[i].operations[Operation::kDrag];
+    part.late = part.unsent = part.replaced = late(i);
+    part.offered += part.unsent;
+    drag.late += part.late;
+    drag.unsent += part.unsent;
+    drag.replaced += part.replaced;
+  }
+  return results;
+}
+
+TEST(Compare, JudgesEveryFigureThatHasABetterDirection) {
+  const auto run = [](double micros) {
+    return MadeResults(20,
+                       [micros](int second) { return micros * (1 + (second * 7 % 5) * 0.005); });
+  };
+  for (const char* const name :
+       {"drag.p50", "drag.p90", "drag.p99", "drag.p99.9", "drag.max", "drag.mean",
+        "drag.service.p50", "drag.service.p99", "drag.solve.p99"}) {
+    const auto worse = DifferenceOf(run(1000), run(1300), name);
+    const auto same = DifferenceOf(run(1000), run(1002), name);
+    ASSERT_TRUE(worse && worse->noise && same && same->noise) << name;
+    EXPECT_TRUE(worse->BeyondNoise() && worse->Worse()) << name << ": noise " << *worse->noise;
+    EXPECT_FALSE(same->BeyondNoise())
+        << name << ": " << *same->change << ", noise " << *same->noise;
+    EXPECT_FALSE(DifferenceOf(run(1300), run(1000), name)->Worse()) << name;
+  }
+  const LoadResults good = WithTroubles([](std::size_t) { return 0; });
+  const LoadResults bad = WithTroubles([](std::size_t second) { return 3 + second % 2; });
+  const LoadResults once = WithTroubles([](std::size_t second) { return second == 7 ? 60 : 0; });
+  for (const char* const name : {"drag.late", "drag.unsent", "drag.replaced"}) {
+    const auto worse = DifferenceOf(good, bad, name);
+    ASSERT_TRUE(worse && worse->noise) << name;
+    EXPECT_TRUE(worse->BeyondNoise() && worse->Worse()) << name;
+    EXPECT_FALSE(DifferenceOf(good, once, name)->BeyondNoise()) << name << ": one bad second";
+  }
+  // The last answer of a run comes a little sooner or later.
+  LoadResults sooner = good;
+  sooner.seconds *= 0.999;
+  EXPECT_FALSE(DifferenceOf(good, sooner, "drag.rate")->BeyondNoise());
+  sooner.seconds *= 0.95;
+  EXPECT_FALSE(DifferenceOf(good, sooner, "drag.rate")->Worse());
+  // A document of before intervals had them says nothing of their noise.
+  LoadResults older = bad;
+  for (Interval& interval : older.intervals) interval.operations[Operation::kDrag].late = 0;
+  EXPECT_FALSE(DifferenceOf(good, older, "drag.late")->noise);
+}
+
+// One value in a thousand, of which there are 600.
+TEST(Compare, AFewSlowAnswersAreNoChange) {
+  const auto run = [](double slowest) {
+    return MadeResults(6, [slowest](int second) { return second == 3 ? slowest : 1000; });
+  };
+  const auto p999 = DifferenceOf(run(3000), run(6000), "drag.p99.9");
+  ASSERT_TRUE(p999 && p999->noise);
+  EXPECT_FALSE(p999->BeyondNoise()) << *p999->change << ", noise " << *p999->noise;
+}
+
+TEST(Compare, JudgesTheRunAsAWhole) {
+  LoadResults a = MadeResults(6), b = a;
+  a.operations[Operation::kDrag].verified = b.operations[Operation::kDrag].verified = 500;
+  b.operations[Operation::kDrag].wrong = 20;
+  b.streams = a.streams = 10;
+  b.resumptions = 12;
+  b.frames_lost = 15;
+  b.errors = {{"UNAVAILABLE", "DRAINING", 30, "x"}};
+  for (const char* const name : {"drag.wrong", "resumed", "lost", "errors"}) {
+    const auto worse = DifferenceOf(a, b, name);
+    ASSERT_TRUE(worse && worse->noise) << name;
+    EXPECT_TRUE(worse->BeyondNoise() && worse->Worse()) << name;
+    EXPECT_FALSE(DifferenceOf(a, a, name)->BeyondNoise()) << name;
+  }
+  b.resumptions = 3;
+  EXPECT_FALSE(DifferenceOf(a, b, "resumed")->BeyondNoise()) << "so few may come by chance";
+  // The rate that was found, to the resolution of the search.
+  a.steps = {{100, 100, 1, 1, 1, true}, {105, 100, 1, 1, 1, false}, {200, 120, 1, 1, 1, false}};
+  a.rate_found = 100;
+  b.steps = a.steps;
+  b.rate_found = 80;
+  b.steps[0].rate = 80;
+  b.steps[1].rate = 84;
+  const auto found = DifferenceOf(a, b, "found");
+  ASSERT_TRUE(found && found->noise);
+  EXPECT_NEAR(*found->noise, 0.1, 1e-9);
+  EXPECT_TRUE(found->BeyondNoise() && found->Worse());
+}
+
 TEST(Compare, OfShortRunsSaysNothingOfNoise) {
   const auto one = DifferenceOf(MadeResults(4, 1000.0), MadeResults(20, 2000.0), "drag.p50");
   ASSERT_TRUE(one && one->change);
@@ -214,13 +307,21 @@ TEST(Compare, ThresholdsAreOfTheDifference) {
   b.operations[Operation::kDrag].failed = 6;
   const LoadResults a = MadeResults(6, 1000.0);
   const std::vector<std::pair<const char*, bool>> cases{
-      {"p99<5%", false},  {"p99<+15%", true},     {"p50>-1%", true},     {"rate>-2%", true},
-      {"rate>0%", false}, {"errors<0.1%", false}, {"errors<0.6%", true}, {"bake.p50<9%", false},
+      {"p99<5%", false},     {"p99<+15%", true},     {"p50>-1%", true},    {"rate>-2%", true},
+      {"rate>0%", false},    {"unsent<=0%", true},   {"resumed<1%", true}, {"errors<0.1%", false},
+      {"errors<0.6%", true}, {"bake.p50<9%", false},
   };
   for (const auto& [text, met] : cases) {
     const Result<Threshold> threshold = ParseDifferenceThreshold(text);
     ASSERT_TRUE(threshold) << text;
     const auto judged = JudgeDifference(std::vector{*threshold}, a, b);
+    EXPECT_EQ(judged.at(0).met, met) << text << ": " << judged[0].shown;
+  }
+  // A rate is compared with itself, however large it is.
+  LoadResults fewer = a;
+  fewer.operations[Operation::kDrag].answered -= 6;
+  for (const auto& [text, met] : {std::pair("rate>-2%", true), std::pair("rate>-0.1%", false)}) {
+    const auto judged = JudgeDifference(std::vector{*ParseDifferenceThreshold(text)}, a, fewer);
     EXPECT_EQ(judged.at(0).met, met) << text << ": " << judged[0].shown;
   }
   EXPECT_FALSE(ParseDifferenceThreshold("p99<5ms"));

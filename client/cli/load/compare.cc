@@ -3,17 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "client/cli/load/noise.h"
 #include "client/cli/report.h"
 #include "client/cli/terminal.h"
 
 namespace arap::cli {
 namespace {
-
-constexpr double kResolved = 0.016;  // of a time, by two histograms
 
 std::optional<double> ChangeOf(const Metric& metric, std::optional<double> a,
                                std::optional<double> b) {
@@ -21,77 +21,6 @@ std::optional<double> ChangeOf(const Metric& metric, std::optional<double> a,
   if (metric.share) return *b - *a;
   if (*a <= 0) return std::nullopt;
   return *b / *a - 1;
-}
-
-// The figure in each whole interval where there is one. Nothing for figures that intervals do not have.
-std::vector<double> ByInterval(const Metric& metric, const LoadResults& results) {
-  std::vector<double> values;
-  if (!metric.operation || results.intervals.empty()) return values;
-  const bool response =
-      metric.kind == Metric::Kind::kQuantile && metric.times == Metric::Times::kResponse;
-  const double length = results.intervals.front().seconds;
-  for (const Interval& interval : results.intervals) {
-    const IntervalOperation& done = interval.operations[*metric.operation];
-    const auto answered = static_cast<double>(done.answered);
-    const auto failed = static_cast<double>(done.failed);
-    if (interval.seconds < length) continue;
-    if (metric.kind == Metric::Kind::kRate) {
-      values.push_back(answered / interval.seconds);
-    } else if (metric.kind == Metric::Kind::kErrors && answered + failed > 0) {
-      values.push_back(failed / (answered + failed));
-    } else if (response && answered > 0 && metric.quantile == 0.5) {
-      values.push_back(done.p50);
-    } else if (response && answered > 0 && metric.quantile == 0.99) {
-      values.push_back(done.p99);
-    }
-  }
-  return values;
-}
-
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-struct Spread {
-  double center = 0;
-  double variance = 0;  // of the center, not of a value
-};
-
-// Mean and standard error: one interval that is far off moves a rate, a share and a p99 of the run.
-Spread SpreadOfMean(const std::vector<double>& values) {
-  const auto count = static_cast<double>(values.size());
-  Spread spread;
-  for (const double value : values) spread.center += value / count;
-  for (const double value : values) {
-    spread.variance += (value - spread.center) * (value - spread.center) / (count - 1) / count;
-  }
-  return spread;
-}
-
-// Median and its standard error by the median deviation: one interval hardly moves the median of a run.
-Spread SpreadOfMedian(const std::vector<double>& values) {
-  Spread spread{MedianOf(values), 0};
-  std::vector<double> deviations;
-  deviations.reserve(values.size());
-  for (const double value : values) deviations.push_back(std::abs(value - spread.center));
-  // Both factors are those of the normal distribution.
-  const double error = 1.2533 * 1.4826 * MedianOf(std::move(deviations));
-  spread.variance = error * error / static_cast<double>(values.size());
-  return spread;
-}
-
-std::optional<double> NoiseOf(const Metric& metric, const LoadResults& a, const LoadResults& b) {
-  const std::vector<double> in_a = ByInterval(metric, a), in_b = ByInterval(metric, b);
-  if (std::min(in_a.size(), in_b.size()) < LoadDifference::kLeastIntervals) return std::nullopt;
-  const bool median = metric.kind == Metric::Kind::kQuantile && metric.quantile == 0.5;
-  const Spread of_a = median ? SpreadOfMedian(in_a) : SpreadOfMean(in_a);
-  const Spread of_b = median ? SpreadOfMedian(in_b) : SpreadOfMean(in_b);
-  const double noise = 3 * std::sqrt(of_a.variance + of_b.variance);
-  if (metric.share) return noise;
-  if (of_a.center <= 0) return std::nullopt;
-  return std::max(noise / of_a.center, metric.IsTime() ? kResolved : 0);
 }
 
 // Percent of the first, or percentage points.
@@ -151,42 +80,49 @@ std::vector<std::string> DifferentSettings(const LoadResults& a, const LoadResul
   return names;
 }
 
+std::vector<Metric> FiguresNamed(std::initializer_list<const char*> names) {
+  std::vector<Metric> metrics;
+  for (const char* const name : names) {
+    Metric& metric = metrics.emplace_back(*ParseMetric(name));
+    metric.share = !metric.IsTime() && !metric.IsRate();
+  }
+  return metrics;
+}
+
+std::vector<Metric> FiguresOfOperations() {
+  return FiguresNamed({"rate", "p50", "p90", "p99", "p99.9", "max", "mean", "service.p50",
+                       "service.p99", "queue.p99", "solve.p99", "errors", "late", "unsent",
+                       "replaced", "wrong"});
+}
+std::vector<Metric> FiguresOfRuns() { return FiguresNamed({"found", "errors", "lost", "resumed"}); }
+
 }  // namespace
 
 bool LoadDifference::BeyondNoise() const { return change && noise && std::abs(*change) > *noise; }
 
 bool LoadDifference::Worse() const {
   if (!change) return false;
-  return metric.kind == Metric::Kind::kRate ? *change < 0 : *change > 0;
+  return metric.IsRate() ? *change < 0 : *change > 0;
 }
 
 std::vector<LoadDifference> Compare(const LoadResults& a, const LoadResults& b) {
-  using Kind = Metric::Kind;
-  using Times = Metric::Times;
-  const std::array<Metric, 11> figures{{{{}, Times::kResponse, Kind::kRate, 0, false},
-                                        {{}, Times::kResponse, Kind::kQuantile, 0.5, false},
-                                        {{}, Times::kResponse, Kind::kQuantile, 0.9, false},
-                                        {{}, Times::kResponse, Kind::kQuantile, 0.99, false},
-                                        {{}, Times::kResponse, Kind::kQuantile, 0.999, false},
-                                        {{}, Times::kResponse, Kind::kMax, 0, false},
-                                        {{}, Times::kResponse, Kind::kMean, 0, false},
-                                        {{}, Times::kQueue, Kind::kQuantile, 0.99, false},
-                                        {{}, Times::kSolve, Kind::kQuantile, 0.99, false},
-                                        {{}, Times::kResponse, Kind::kErrors, 0, true},
-                                        {{}, Times::kResponse, Kind::kLate, 0, true}}};
   std::vector<LoadDifference> differences;
+  const auto add = [&](const Metric& metric) {
+    LoadDifference one{metric, ValueOf(metric, a), ValueOf(metric, b), {}, {}};
+    if (!one.a && !one.b) return;
+    one.change = ChangeOf(metric, one.a, one.b);
+    one.noise = NoiseOf(metric, a, b);
+    differences.push_back(one);
+  };
   for (std::size_t k = 0; k < kOperations; ++k) {
     const auto operation = static_cast<Operation>(k);
     if (!a.operations[operation].Any() && !b.operations[operation].Any()) continue;
-    for (Metric metric : figures) {
+    for (Metric metric : FiguresOfOperations()) {
       metric.operation = operation;
-      LoadDifference one{metric, ValueOf(metric, a), ValueOf(metric, b), {}, {}};
-      if (!one.a && !one.b) continue;
-      one.change = ChangeOf(metric, one.a, one.b);
-      one.noise = NoiseOf(metric, a, b);
-      differences.push_back(one);
+      add(metric);
     }
   }
+  for (const Metric& metric : FiguresOfRuns()) add(metric);
   return differences;
 }
 
@@ -219,13 +155,12 @@ std::string CompareText(const NamedResults& a, const NamedResults& b,
     text += Column(title, static_cast<std::size_t>(width));
   }
   text += "\n";
-  std::optional<Operation> operation;
+  std::string about;
   bool quiet = false;
   for (const LoadDifference& one : Compare(a.results, b.results)) {
-    if (operation != one.metric.operation) {
-      operation = one.metric.operation;
-      text += Styled(descriptor, Look::kStrong, NameOf(*operation)) + "\n";
-    }
+    const std::string of(one.metric.operation ? NameOf(*one.metric.operation) : "the run");
+    if (about != of) text += Styled(descriptor, Look::kStrong, of) + "\n";
+    about = of;
     text += FormatDifference(one, descriptor);
     quiet = quiet || one.noise;
   }
@@ -235,7 +170,7 @@ std::string CompareText(const NamedResults& a, const NamedResults& b,
               "intervals differ; of times 1.6 % at least."
             : fmt::format("With fewer than {} whole intervals in a run nothing can be said of the "
                           "noise.",
-                          LoadDifference::kLeastIntervals),
+                          kLeastIntervals),
       kLineWidth);
   return text + FormatJudgements(judgements, descriptor);
 }

@@ -18,21 +18,15 @@ struct LoadDifference {
   std::optional<double> a, b;  // nothing where a run has no such figure
   // Of times and rates a part of `a`; of shares b - a. Nothing where either is missing.
   std::optional<double> change;
-  // What of a change is noise, in the terms of `change`: three standard errors of the difference, by how
-  // the intervals of each run differ. Of a median that is the median deviation, for one interval that is
-  // far off hardly moves it; of a p99, a rate and a share the standard deviation. Of times it is 1.6 % at
-  // least, which is what histograms resolve. Nothing where a run has fewer than kLeastIntervals, or
-  // intervals do not have the figure.
-  std::optional<double> noise;
-
-  static constexpr std::size_t kLeastIntervals = 5;
+  std::optional<double> noise;  // what of `change` is, in its terms (noise.h)
 
   bool BeyondNoise() const;
   bool Worse() const;  // slower, fewer answers, more errors; by however little
 };
 
-// Response p50, p90, p99, p99.9, max and mean, queue and solve p99, rate, errors and late of each operation
-// that either run has.
+// Every figure of which less, or of rates more, is better: of each operation that either run has rate,
+// response, service, queue and solve, errors, late, unsent, replaced and wrong; of the run errors, lost,
+// resumed and the rate that a search has found.
 std::vector<LoadDifference> Compare(const LoadResults& a, const LoadResults& b);
 
 // Thresholds of ParseDifferenceThreshold.

@@ -30,6 +30,9 @@ void IntervalLog::Double() {
 }
 
 void IntervalLog::Offered(Operation operation, double at) { ++At(operation, at).offered; }
+void IntervalLog::Late(Operation operation, double at) { ++At(operation, at).late; }
+void IntervalLog::Unsent(Operation operation, double at) { ++At(operation, at).unsent; }
+void IntervalLog::Replaced(Operation operation, double at) { ++At(operation, at).replaced; }
 
 void IntervalLog::Answered(Operation operation, double at, double micros) {
   At(operation, at).response.Record(micros);
@@ -51,6 +54,9 @@ void IntervalLog::Add(const Cells& from, Cells& to) {
     const auto operation = static_cast<Operation>(k);
     to[operation].offered += from[operation].offered;
     to[operation].failed += from[operation].failed;
+    to[operation].late += from[operation].late;
+    to[operation].unsent += from[operation].unsent;
+    to[operation].replaced += from[operation].replaced;
     to[operation].response.Merge(from[operation].response);
   }
 }
@@ -75,9 +81,15 @@ std::vector<Interval> IntervalLog::Intervals(double end) const {
       const auto operation = static_cast<Operation>(k);
       const Cell& cell = log.cells_[i][operation];
       const Histogram& response = cell.response;
-      interval.operations[operation] = {
-          cell.offered,           response.Count(),        cell.failed,
-          response.Quantile(0.5), response.Quantile(0.99), response.Max()};
+      interval.operations[operation] = {cell.offered,
+                                        response.Count(),
+                                        cell.failed,
+                                        response.Quantile(0.5),
+                                        response.Quantile(0.99),
+                                        response.Max(),
+                                        cell.late,
+                                        cell.unsent,
+                                        cell.replaced};
     }
   }
   return intervals;

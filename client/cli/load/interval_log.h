@@ -18,8 +18,11 @@ class IntervalLog {
  public:
   static constexpr std::size_t kMost = 240;
 
-  // One was due to be sent at `at`.
+  // One was due to be sent at `at`; it was sent late, not at all, or replaced by a newer one.
   void Offered(Operation operation, double at);
+  void Late(Operation operation, double at);
+  void Unsent(Operation operation, double at);
+  void Replaced(Operation operation, double at);
   // One was answered at `at`, so many microseconds after it was due.
   void Answered(Operation operation, double at, double micros);
   void Failed(Operation operation, double at);
@@ -31,7 +34,7 @@ class IntervalLog {
 
  private:
   struct Cell {
-    std::uint64_t offered = 0, failed = 0;
+    std::uint64_t offered = 0, failed = 0, late = 0, unsent = 0, replaced = 0;
     Histogram response;
   };
   using Cells = PerOperation<Cell>;

@@ -193,11 +193,10 @@ class LoadCourse {
     const PhaseEnd end = engine_.Run(phase, [&](double seconds, const Glance& glance) {
       errors_ += glance.failed;
       const bool counts = CountsBefore(*phase, seconds);
-      line_.Show(
-          ProgressText({seconds, request_.count ? 0 : LengthOf(*phase),
-                        !counts, static_cast<double>(glance.answered),
-                        glance.response.Quantile(0.5), glance.response.Quantile(0.99), errors_}),
-          errors_ > 0 ? std::optional(Look::kBad) : std::nullopt);
+      line_.Show(ProgressText({seconds, request_.count ? 0 : LengthOf(*phase), !counts,
+                               static_cast<double>(glance.answered), glance.response.Quantile(0.5),
+                               glance.response.Quantile(0.99), errors_}),
+                 errors_ > 0 ? std::optional(Look::kBad) : std::nullopt);
       return goes_on(counts, glance);
     });
     LoadResults results;
@@ -264,7 +263,7 @@ class LoadCourse {
   const double length_;
   std::uint64_t errors_ = 0;
   std::shared_ptr<LoadPhase> opening_;  // what opening ran into, unless streams send at once
-  Moment began_{0};  // what counts of the phase
+  Moment began_{0};                     // what counts of the phase
 };
 
 }  // namespace

@@ -39,7 +39,7 @@ struct LoadRequest {
 
   // That count; of a search for each rate. Default: 10, and as long as it takes with `count`.
   std::optional<double> seconds;
-  double warm_up = 0;  // before them; of a search and a profile before each rate
+  double warm_up = 0;                  // before them; of a search and a profile before each rate
   std::optional<std::uint64_t> count;  // messages in all
   std::optional<double> until_stable;  // percent (StabilityRule); seconds are then the most
 

@@ -14,7 +14,7 @@ namespace {
 using Kind = Metric::Kind;
 
 constexpr std::array<std::string_view, 4> kTimesNames{"response", "service", "queue", "solve"};
-constexpr std::array<std::pair<std::string_view, Kind>, 9> kKindNames{
+constexpr std::array<std::pair<std::string_view, Kind>, 11> kKindNames{
     {{"mean", Kind::kMean},
      {"max", Kind::kMax},
      {"rate", Kind::kRate},
@@ -23,14 +23,18 @@ constexpr std::array<std::pair<std::string_view, Kind>, 9> kKindNames{
      {"unsent", Kind::kUnsent},
      {"replaced", Kind::kReplaced},
      {"wrong", Kind::kWrong},
-     {"lost", Kind::kLost}}};
+     {"lost", Kind::kLost},
+     {"resumed", Kind::kResumed},
+     {"found", Kind::kFound}}};
 
 tl::unexpected<Fault> UnknownMetric(std::string_view text) {
-  return Fail(FaultKind::kInvalidOption,
-              fmt::format("'{}' is no figure: those are p50, p99.9 and the like, mean, max, rate, "
-                          "errors, late, unsent, replaced, wrong and lost, of one operation as "
-                          "drag.p99, of the server's times as queue.p99 or solve.p99",
-                          text));
+  return Fail(
+      FaultKind::kInvalidOption,
+      fmt::format(
+          "'{}' is no figure: those are p50, p99.9 and the like, mean, max, rate, "
+          "errors, late, unsent, replaced, wrong, lost, resumed and found, of one operation "
+          "as drag.p99, of the server's times as queue.p99 or solve.p99",
+          text));
 }
 
 // Three digits.
@@ -40,48 +44,8 @@ std::string ThreeDigits(double value) {
                          : fmt::format("{:.0f}", value);
 }
 
-const Histogram& TimesOf(const Metric& metric, const OperationResults& done) {
-  switch (metric.times) {
-    case Metric::Times::kResponse:
-      return done.response;
-    case Metric::Times::kService:
-      return done.service;
-    case Metric::Times::kQueue:
-      return done.queue;
-    case Metric::Times::kSolve:
-      return done.solve;
-  }
-  return done.response;
-}
-
-struct Part {
-  std::uint64_t count = 0, of = 0;
-};
-
-Part PartOf(const Metric& metric, const OperationResults& done, const LoadResults& results) {
-  switch (metric.kind) {
-    case Kind::kErrors: {
-      std::uint64_t failed = done.failed;
-      if (!metric.operation) {
-        std::uint64_t errors = 0;
-        for (const LoadError& error : results.errors) errors += error.count;
-        failed = std::max(failed, errors);
-      }
-      return {failed, done.answered + failed};
-    }
-    case Kind::kLate:
-      return {done.late, done.sent};
-    case Kind::kUnsent:
-      return {done.unsent, done.sent + done.unsent};
-    case Kind::kReplaced:
-      return {done.replaced, done.sent};
-    case Kind::kWrong:
-      return {done.wrong, done.verified};
-    case Kind::kLost:
-      return {results.frames_lost, done.sent};
-    default:
-      return {};
-  }
+OperationResults DoneOf(const Metric& metric, const LoadResults& results) {
+  return metric.operation ? results.operations[*metric.operation] : results.Total();
 }
 
 }  // namespace
@@ -106,7 +70,7 @@ std::string FormatFigure(double value, Unit unit) {
 
 Unit Metric::unit() const {
   if (IsTime()) return Unit::kMicros;
-  if (kind == Kind::kRate) return Unit::kPerSecond;
+  if (IsRate()) return Unit::kPerSecond;
   return share ? Unit::kShare : Unit::kCount;
 }
 
@@ -145,9 +109,9 @@ Result<Metric> ParseMetric(std::string_view text) {
     return Fail(FaultKind::kInvalidOption,
                 fmt::format("'{}' is no figure: {} is a count and no time", text, rest));
   }
-  if (metric.operation && metric.kind == Kind::kLost) {
+  if (metric.operation && metric.IsOfTheRun()) {
     return Fail(FaultKind::kInvalidOption,
-                fmt::format("'{}' is no figure: lost is of all operations", text));
+                fmt::format("'{}' is no figure: {} is of all operations", text, rest));
   }
   return metric;
 }
@@ -166,9 +130,52 @@ std::string NameOf(const Metric& metric) {
   return name;
 }
 
+Part PartOf(const Metric& metric, const LoadResults& results) {
+  const OperationResults done = DoneOf(metric, results);
+  switch (metric.kind) {
+    case Kind::kErrors: {
+      std::uint64_t failed = done.failed;
+      if (!metric.operation) {
+        std::uint64_t errors = 0;
+        for (const LoadError& error : results.errors) errors += error.count;
+        failed = std::max(failed, errors);
+      }
+      return {failed, done.answered + failed};
+    }
+    case Kind::kLate:
+      return {done.late, done.sent};
+    case Kind::kUnsent:
+      return {done.unsent, done.sent + done.unsent};
+    case Kind::kReplaced:
+      return {done.replaced, done.sent};
+    case Kind::kWrong:
+      return {done.wrong, done.verified};
+    case Kind::kLost:
+      return {results.frames_lost, done.sent};
+    case Kind::kResumed:
+      return {results.resumptions, results.streams};
+    default:
+      return {};
+  }
+}
+
+const Histogram& TimesOf(const Metric& metric, const OperationResults& done) {
+  switch (metric.times) {
+    case Metric::Times::kResponse:
+      return done.response;
+    case Metric::Times::kService:
+      return done.service;
+    case Metric::Times::kQueue:
+      return done.queue;
+    case Metric::Times::kSolve:
+      return done.solve;
+  }
+  return done.response;
+}
+
 std::optional<double> ValueOf(const Metric& metric, const LoadResults& results) {
-  const OperationResults done =
-      metric.operation ? results.operations[*metric.operation] : results.Total();
+  if (metric.kind == Kind::kFound) return results.rate_found;
+  const OperationResults done = DoneOf(metric, results);
   if (metric.IsTime()) {
     const Histogram& times = TimesOf(metric, done);
     if (times.Count() == 0) return std::nullopt;
@@ -176,7 +183,7 @@ std::optional<double> ValueOf(const Metric& metric, const LoadResults& results) 
     return metric.kind == Kind::kMax ? times.Max() : times.Quantile(metric.quantile);
   }
   if (metric.kind == Kind::kRate) return results.PerSecond(done.answered);
-  const Part part = PartOf(metric, done, results);
+  const Part part = PartOf(metric, results);
   if (part.of == 0) return std::nullopt;
   if (!metric.share) return static_cast<double>(part.count);
   return static_cast<double>(part.count) / static_cast<double>(part.of);

@@ -53,7 +53,8 @@ Json IntervalJson(const Interval& interval, const std::vector<Operation>& done) 
     const IntervalOperation& part = interval.operations[operation];
     operations[std::string(NameOf(operation))] = {
         {"offered", part.offered}, {"answered", part.answered}, {"failed", part.failed},
-        {"p50_micros", part.p50},  {"p99_micros", part.p99},    {"max_micros", part.max}};
+        {"p50_micros", part.p50},  {"p99_micros", part.p99},    {"max_micros", part.max},
+        {"late", part.late},       {"unsent", part.unsent},     {"replaced", part.replaced}};
   }
   return {{"start", interval.start},
           {"seconds", interval.seconds},
@@ -105,6 +106,12 @@ void ReadIntervals(DocumentReader& reader, const Json& json, LoadResults& result
       reader.Read(*found, here, "p50_micros", part.p50);
       reader.Read(*found, here, "p99_micros", part.p99);
       reader.Read(*found, here, "max_micros", part.max);
+      // Documents of before these were told of have none of them.
+      for (const auto& [name, count] :
+           {std::pair("late", &part.late), std::pair("unsent", &part.unsent),
+            std::pair("replaced", &part.replaced)}) {
+        if (found->contains(name)) reader.Read(*found, here, name, *count);
+      }
     }
   }
 }

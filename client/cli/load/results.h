@@ -68,6 +68,7 @@ struct IntervalOperation {
   std::uint64_t answered = 0;
   std::uint64_t failed = 0;
   double p50 = 0, p99 = 0, max = 0;  // of response, in microseconds; 0 without an answer
+  std::uint64_t late = 0, unsent = 0, replaced = 0;  // of those that were due in it
 };
 struct Interval {
   double start = 0;    // seconds since the run began, warm-up left out

@@ -51,8 +51,12 @@ void Tally::CountSent(const Sent& message) {
   const MutexLock lock(&mutex_);
   OperationResults& operation = operations_[message.operation];
   ++operation.sent;
-  if (message.sent - message.intended > kLateAfter) ++operation.late;
-  intervals_.Offered(message.operation, At(message.intended));
+  const double at = At(message.intended);
+  intervals_.Offered(message.operation, at);
+  if (message.sent - message.intended > kLateAfter) {
+    ++operation.late;
+    intervals_.Late(message.operation, at);
+  }
   if (Step* const step = StepOf(message.intended)) ++step->offered;
 }
 
@@ -61,6 +65,7 @@ void Tally::CountUnsent(Operation operation, Moment intended) {
   const MutexLock lock(&mutex_);
   ++operations_[operation].unsent;
   intervals_.Offered(operation, At(intended));
+  intervals_.Unsent(operation, At(intended));
   if (Step* const step = StepOf(intended)) ++step->offered;
 }
 
@@ -97,6 +102,7 @@ void Tally::CountReplaced(const Sent& message) {
   if (!Counts(message.intended)) return;
   const MutexLock lock(&mutex_);
   ++operations_[message.operation].replaced;
+  intervals_.Replaced(message.operation, At(message.intended));
   if (Step* const step = StepOf(message.intended)) ++step->replaced;
 }
 

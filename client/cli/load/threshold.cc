@@ -88,7 +88,7 @@ Result<Threshold> ParseThreshold(std::string_view text) {
       return BadThreshold(threshold.text, "a time has the unit us, ms or s");
     }
     threshold.bound *= unit->second;
-  } else if (threshold.metric.kind == Metric::Kind::kRate) {
+  } else if (threshold.metric.IsRate()) {
     if (!bound.unit.empty() && bound.unit != "/s") {
       return BadThreshold(threshold.text, "a rate is a number a second, without a unit or with /s");
     }
@@ -109,7 +109,7 @@ Result<Threshold> ParseDifferenceThreshold(std::string_view text) {
   if (bound.unit != "%") {
     return BadThreshold(threshold.text, "a difference is in percent, as in p99<5%");
   }
-  threshold.metric.share = !threshold.metric.IsTime();
+  threshold.metric.share = !threshold.metric.IsTime() && !threshold.metric.IsRate();
   threshold.bound = bound.number / 100;
   return std::move(threshold);
 }
