@@ -36,6 +36,10 @@ std::string JsonText(const nlohmann::ordered_json& json) {
   return json.dump(2, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace) + "\n";
 }
 
+std::string Numbered(std::uint64_t count, std::string_view one) {
+  return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
+}
+
 std::string ReasonOf(const Fault& fault) { return std::string(InfoOf(fault.kind).reason); }
 
 std::string Describe(const Fault& fault) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +23,8 @@ std::string JsonText(const nlohmann::ordered_json& json);
 
 // "REASON: message (elements 3 7; field mesh.triangles; limit = 5)", printable.
 std::string Describe(const Fault& fault);
+// "1 frame", "2 frames": words of which more take an s.
+std::string Numbered(std::uint64_t count, std::string_view one);
 // "DEGENERATE_TRIANGLE".
 std::string ReasonOf(const Fault& fault);
 

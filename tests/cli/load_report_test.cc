@@ -116,7 +116,7 @@ TEST(LoadText, HasEightyColumnsAndEverything) {
   for (const std::string& line : LinesOf(text)) EXPECT_LE(CharactersIn(line), kLineWidth) << line;
   for (const char* const part :
        {"updates      600\n", "updates/s    100.0\n", "after 2.00 to warm up", "drag", "edit",
-        "  response ", "  solve ", "rate found   200.0 a second", "60 answers were computed here",
+        "  response ", "  solve ", "rate found   200.0 a second", "60 answers computed here too",
         "1 wrong", "3 streams, told after", "2 times, 4 updates lost", "echo", "2.50 µs",
         "error        OVERLOADED × 11 (RESOURCE_EXHAUSTED)", "error        BAD_REPLY × 1"}) {
     EXPECT_THAT(text, HasSubstr(part));
@@ -157,6 +157,43 @@ TEST(LoadHtml, HasItsPicturesWithTitlesAndTheSameFiguresAsTables) {
   }
   for (const char* const number : {"nan\"", "nan ", "inf\"", "inf ", "nanL"}) {
     EXPECT_EQ(html.find(number), std::string::npos) << number;
+  }
+}
+
+// What stands in the card of that name.
+std::string CardOf(const std::string& html, const std::string& name) {
+  const std::size_t at = html.find("<dt>" + name + "</dt>");
+  const std::size_t begin = html.rfind("<div class=\"", at);
+  return at == std::string::npos ? "none" : html.substr(begin, html.find("</div>", at) - begin);
+}
+
+TEST(LoadHtml, WhatAThresholdLetsPassIsNotRed) {
+  const LoadResults results = FullResults();
+  EXPECT_THAT(CardOf(LoadHtml(results, {}), "errors"), HasSubstr("card bad"));
+  EXPECT_THAT(CardOf(LoadHtml(results, {}), "verified"), HasSubstr("card bad"));
+  for (const auto& [rule, red] :
+       {std::pair("errors<5%", false), std::pair("errors<1", true), std::pair("p99<60s", true)}) {
+    const auto threshold = ParseThreshold(rule);
+    ASSERT_TRUE(threshold) << rule;
+    const std::string html = LoadHtml(results, Judge(std::vector{*threshold}, results));
+    EXPECT_EQ(CardOf(html, "errors").find("card bad") != std::string::npos, red) << rule;
+  }
+  const auto wrong = ParseThreshold("wrong<5");
+  ASSERT_TRUE(wrong);
+  const std::string html = LoadHtml(results, Judge(std::vector{*wrong}, results));
+  EXPECT_THAT(CardOf(html, "verified"), testing::Not(HasSubstr("bad")));
+  EXPECT_THAT(CardOf(LoadHtml(MadeResults(), {}), "errors"), HasSubstr("card good"));
+}
+
+TEST(LoadText, OfOneHasNoPlural) {
+  LoadResults results = MadeResults();
+  results.resumptions = results.frames_lost = 1;
+  results.operations[Operation::kDrag].verified = 1;
+  results.refused.Record(1500);
+  const std::string text = LoadText(results, STDIN_FILENO);
+  for (const char* const part :
+       {"resumed      1 time, 1 update lost", "1 answer computed", "1 stream, told"}) {
+    EXPECT_THAT(text, HasSubstr(part));
   }
 }
 

@@ -142,10 +142,11 @@ Result<Reply> BakeTrack(const StageOptions& options) {
   const double mean_solve =
       totals.frames > 0 ? totals.solve_micros / static_cast<double>(totals.frames) : 0;
   const std::string caption = fmt::format(
-      "{} frames, {} vertices, {} triangles, {} handles; {:.0f} µs per frame; {} frames with "
-      "flips; largest stretch {:.3g}",
-      totals.frames, mesh.vertices.size(), mesh.triangles.size(), track.handles.size(), mean_solve,
-      totals.frames_with_flips, totals.max_stretch);
+      "{}, {} vertices, {} triangles, {}; {:.0f} µs per frame; {} with flips; largest stretch "
+      "{:.3g}",
+      Numbered(totals.frames, "frame"), mesh.vertices.size(), mesh.triangles.size(),
+      Numbered(track.handles.size(), "handle"), mean_solve,
+      Numbered(totals.frames_with_flips, "frame"), totals.max_stretch);
   Reply answer;
   answer.text = fmt::format(
       "{}\nregistered in {:.1f} ms, compiled in {:.1f} ms, worst handle error {:.3g}\n", caption,

@@ -136,16 +136,13 @@ client::StreamOptions HowToStream(const DragOptions& options) {
 
 Warning ToWarning(const DragGap& gap) {
   const auto times = [](std::size_t n) { return n == 1 ? "once" : fmt::format("{} times", n); };
-  const auto count = [](std::size_t n, const char* what) {
-    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
-  };
   return {
       "stream_resumed",
       gap.lost,
       {},
       fmt::format("The stream was lost {}{} and went on after {}; {} without a shape.",
                   times(gap.losses), gap.after ? fmt::format(" after frame {}", *gap.after) : "",
-                  count(gap.attempts, "attempt"), count(gap.lost, "frame"))};
+                  Numbered(gap.attempts, "attempt"), Numbered(gap.lost, "frame"))};
 }
 
 Status Drag(const DragOptions& options) {
@@ -185,14 +182,15 @@ Status Drag(const DragOptions& options) {
   TRY(const DragTimes times, play());
 
   const Percentiles round_trip = PercentilesOf(times.round_trip_micros);
-  const std::string caption = fmt::format(
-      "{}: {} updates, {} answers, {} replaced; round trip p50 {:.0f} µs, p99 {:.0f} µs; {} frames "
-      "with flips",
-      every ? "every" : "latest", times.sent, times.answered, times.replaced, round_trip.p50,
-      round_trip.p99, times.frames_with_flips);
-  const std::string resumed = times.resumed == 0 ? ""
-                                                 : fmt::format("; resumed {} times, {} frames lost",
-                                                               times.resumed, times.lost);
+  const std::string caption =
+      fmt::format("{}: {}, {}, {} replaced; round trip p50 {:.0f} µs, p99 {:.0f} µs; {} with flips",
+                  every ? "every" : "latest", Numbered(times.sent, "update"),
+                  Numbered(times.answered, "answer"), times.replaced, round_trip.p50,
+                  round_trip.p99, Numbered(times.frames_with_flips, "frame"));
+  const std::string resumed =
+      times.resumed == 0 ? ""
+                         : fmt::format("; resumed {}, {} lost", Numbered(times.resumed, "time"),
+                                       Numbered(times.lost, "frame"));
   Say(fmt::format(
       "{}{}\nsolve p50 {:.0f} µs, worst handle error {:.3g}, most flips in a frame {}\n", caption,
       resumed, PercentilesOf(times.solve_micros).p50, times.worst_handle_error, times.most_flips));

@@ -193,7 +193,8 @@ void AddLength(CLI::App& command, LoadRequest& request) {
       ->option_text("S");
   command
       .add_option("--warm-up", request.warm_up,
-                  "send for so long before, without counting it; of a search and a profile before each rate")
+                  "send for so long before, without counting it; of a search and a profile before "
+                  "each rate")
       ->check(Between(0, 1e6))
       ->option_text("S");
   command
@@ -230,13 +231,15 @@ void AddBusiness(CLI::App& command, LoadRequest& request) {
   command
       .add_option(
           "--verify", request.verify,
-          "compute this part of the shapes of drags again, with a private arapd, and compare; "
-          "0 to 1, default 0")
+          "compute this part of the answers again, with a private arapd, and compare; 0 to 1, "
+          "default 0")
       ->check(Between(0, 1))
       ->option_text("PART");
   command
-      .add_option("--resume", request.resume,
-                  "for how long streams that were lost are opened again; 0: not at all; default 10")
+      .add_option(
+          "--resume", request.resume,
+          "for how long streams that were lost are opened again; 0: not at all; default 10, "
+          "with --spawn 0")
       ->check(Between(0, 1e6))
       ->option_text("S");
   command

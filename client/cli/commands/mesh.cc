@@ -48,10 +48,6 @@ void Warn(std::string kind, std::size_t count, std::string message,
   warnings.push_back({std::move(kind), count, {}, std::move(message)});
 }
 
-std::string Counted(std::size_t count, std::string_view one, std::string_view many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
 // RRGGBB, with or without #; nothing when it is something else.
 std::optional<Colour> ParseColour(std::string_view text) {
   if (text.starts_with('#')) text.remove_prefix(1);
@@ -102,8 +98,8 @@ Result<Figure> FindFigure(const MeshFlags& flags, std::vector<Warning>& warnings
   if (dropped.pieces > 0 || (dropped.holes > 0 && !flags.fill_holes)) {
     Warn("specks", dropped.pieces + dropped.holes,
          fmt::format("{} and {} of fewer than {} pixels were left out (--specks).",
-                     Counted(dropped.pieces, "piece", "pieces"),
-                     Counted(dropped.holes, "hole", "holes"), flags.specks),
+                     Numbered(dropped.pieces, "piece"), Numbered(dropped.holes, "hole"),
+                     flags.specks),
          warnings);
   }
   if (flags.expansion > 0) coverage = Expand(coverage, flags.expansion);
@@ -114,7 +110,7 @@ Result<Figure> FindFigure(const MeshFlags& flags, std::vector<Warning>& warnings
                     ? "Every pixel is background: there is nothing to mesh."
                     : fmt::format("The largest piece has {}: those of fewer than {} are left out "
                                   "(--specks).",
-                                  Counted(dropped.largest_piece, "pixel", "pixels"), flags.specks));
+                                  Numbered(dropped.largest_piece, "pixel"), flags.specks));
   }
   return figure;
 }
@@ -127,11 +123,12 @@ void WarnOfExpansion(const MeshFlags& flags, std::size_t width, std::size_t heig
                p.imag() > static_cast<double>(height);
   }
   if (outside == 0) return;
-  Warn("outside_image", outside,
-       fmt::format("The expansion of {} pixels takes {} beyond the image: their texture "
-                   "coordinates are below 0 or above 1.",
-                   flags.expansion, Counted(outside, "vertex", "vertices")),
-       warnings);
+  Warn(
+      "outside_image", outside,
+      fmt::format("The expansion of {} pixels takes {} beyond the image: their texture "
+                  "coordinates are below 0 or above 1.",
+                  flags.expansion, outside == 1 ? "1 vertex" : fmt::format("{} vertices", outside)),
+      warnings);
 }
 
 // The mesh with v from the lower border of the image, as OBJ files have it.
@@ -172,8 +169,8 @@ Result<Reply> WriteMesh(const MeshFlags& flags) {
   answer.text = fmt::format(
       "{} vertices, {} triangles, {}, {}; smallest angle {:.1f} degrees\n"
       "the outline is within {} {} of {}\n",
-      mesh.vertices.size(), mesh.triangles.size(), Counted(result.pieces, "piece", "pieces"),
-      Counted(result.holes, "hole", "holes"), result.smallest_angle, flags.tolerance,
+      mesh.vertices.size(), mesh.triangles.size(), Numbered(result.pieces, "piece"),
+      Numbered(result.holes, "hole"), result.smallest_angle, flags.tolerance,
       flags.tolerance == 1 ? "pixel" : "pixels",
       flags.expansion > 0
           ? fmt::format("where the figure ends {} pixels further out", flags.expansion)

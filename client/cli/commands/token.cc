@@ -124,8 +124,7 @@ Result<Reply> Revoke(const TokenFlags& flags) {
     return left_over = FormatRawTokenFile(entries);
   };
   CHECK_OK(ChangeTokenFile(flags.file, erase));
-  fmt::print(stderr, "arapctl: {} revoked\n",
-             count == 1 ? "1 token" : fmt::format("{} tokens", count));
+  fmt::print(stderr, "arapctl: {} revoked\n", Numbered(count, "token"));
   if (const auto left = ParseTokenFile(left_over, flags.file); !left) {
     fmt::print(stderr, "arapctl: {} A server keeps its old tokens until that is mended.\n",
                left.error().message);

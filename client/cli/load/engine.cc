@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include "client/cli/report.h"
 #include "client/src/answers.h"
 #include "core/base/try.h"
 
@@ -115,10 +116,10 @@ PhaseEnd LoadEngine::Run(const std::shared_ptr<LoadPhase>& phase, const OnSecond
   for (const auto& stream : streams_) given_up += stream->GiveUpWaiting();
   PhaseEnd end{Now(), 0};
   if (given_up > 0 && !stop_.stop_requested()) {
-    const Fault fault(
-        FaultKind::kDeadlineExceeded,
-        fmt::format("{} messages had no answer {:g} s after the last one was sent.", given_up,
-                    std::chrono::duration<double>(options_.patience).count()));
+    const Fault fault(FaultKind::kDeadlineExceeded,
+                      fmt::format("{} had no answer {:g} s after the last one was sent.",
+                                  Numbered(given_up, "message"),
+                                  std::chrono::duration<double>(options_.patience).count()));
     phase->TallyOf(0).CountError(fault);
   }
   const std::uint64_t sent = Messages() - messages;

@@ -10,6 +10,7 @@
 #include "client/cli/load/html_style.h"
 #include "client/cli/load/metric.h"
 #include "client/cli/load/reports.h"
+#include "client/cli/report.h"
 
 namespace arap::cli {
 namespace {
@@ -57,6 +58,9 @@ std::string CardsHtml(const LoadResults& results, std::span<const Judgement> jud
   errors.kind = Metric::Kind::kErrors;
   errors.share = true;
   const double failed = ValueOf(errors, results).value_or(results.errors.empty() ? 0 : 1);
+  const auto looks = [&](bool none, Metric::Kind kind) {
+    return none ? "good" : LetPass(judgements, kind) ? "" : "bad";
+  };
   std::string html = "<dl class=\"cards\">\n";
   html += CardHtml("answered", fmt::format("{:.1f}", results.PerSecond(total.answered)),
                    fmt::format("a second; {} in {:.1f} s", total.answered, results.seconds));
@@ -65,7 +69,7 @@ std::string CardsHtml(const LoadResults& results, std::span<const Judgement> jud
   html += CardHtml("slowest", times(1), "of all responses");
   html += CardHtml("errors", results.errors.empty() ? "none" : FormatFigure(failed, Unit::kShare),
                    fmt::format("{} late, {} never sent", total.late, total.unsent),
-                   results.errors.empty() ? "good" : "bad");
+                   looks(results.errors.empty(), Metric::Kind::kErrors));
   if (results.rate_found) {
     html += CardHtml("rate found", fmt::format("{:.1f}", *results.rate_found),
                      "a second: the highest that was met");
@@ -81,7 +85,7 @@ std::string CardsHtml(const LoadResults& results, std::span<const Judgement> jud
     html += CardHtml("verified", fmt::format("{}", total.verified),
                      total.wrong == 0 ? std::string("computed again here: none wrong")
                                       : fmt::format("computed again here: {} wrong", total.wrong),
-                     total.wrong == 0 ? "good" : "bad");
+                     looks(total.wrong == 0, Metric::Kind::kWrong));
   }
   return html + "</dl>\n";
 }
@@ -215,8 +219,8 @@ std::string SetupHtml(const LoadResults& results) {
                     FormatMicros(results.refused.Quantile(0.5))));
   }
   if (results.resumptions + results.frames_lost > 0) {
-    add("resumptions",
-        fmt::format("{}, {} updates lost by them", results.resumptions, results.frames_lost));
+    add("resumptions", fmt::format("{}, {} lost by them", results.resumptions,
+                                   Numbered(results.frames_lost, "update")));
   }
   if (results.echo.Count() > 0) {
     add("echo, a message without work",

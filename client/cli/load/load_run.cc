@@ -294,7 +294,8 @@ Result<LoadResults> RunLoad(const LoadRequest& request, std::stop_token stop) {
   // What a rate that is too high has left behind is not to be in the way of the next one.
   if (request.search) options.patience = kSearchPatience;
   options.verify = request.verify;
-  options.resume_within = std::chrono::milliseconds(std::llround(1000 * request.resume));
+  options.resume_within = std::chrono::milliseconds(
+      std::llround(1000 * request.resume.value_or(request.server.spawn ? 0 : 10)));
   LoadEngine engine(options, scene, std::move(connections), tokens.size(), stop);
   if (request.verify > 0) CHECK_OK(engine.VerifyWith(opened.back().client()));
   TRY(LoadResults results, LoadCourse(request, engine, std::move(stop)).Go());

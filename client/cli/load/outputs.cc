@@ -86,7 +86,7 @@ Exit VerdictOf(const LoadResults& results, std::span<const Judgement> judgements
 int TellLoad(const LoadResults& results, const LoadOutputs& outputs) {
   const std::vector<Judgement> judgements = Judge(outputs.thresholds, results);
   const int descriptor = outputs.TakeStandardOutput() ? STDERR_FILENO : STDOUT_FILENO;
-  Say(LoadText(results, descriptor) + FormatJudgements(judgements, descriptor));
+  Say(LoadText(results, descriptor, judgements) + FormatJudgements(judgements, descriptor));
   if (const Status written = WriteReports(results, outputs, judgements); !written) {
     return Complain(written.error());
   }
@@ -102,7 +102,7 @@ int TellLoad(const LoadResults& results, const LoadOutputs& outputs) {
   } else if (verdict != Exit::kOk) {
     const std::uint64_t wrong = results.Total().wrong;
     fmt::print(stderr, "{} {}\n", name,
-               wrong > 0 ? fmt::format("{} answers differ from what was computed here", wrong)
+               wrong > 0 ? fmt::format("{} not what was computed here", Numbered(wrong, "answer"))
                          : std::string("no update was answered in time"));
   }
   return static_cast<int>(verdict);

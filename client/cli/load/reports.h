@@ -13,8 +13,10 @@
 
 namespace arap::cli {
 
-// At most 80 columns; colours where `descriptor` is a terminal that has them.
-std::string LoadText(const LoadResults& results, int descriptor);
+// At most 80 columns; colours where `descriptor` is a terminal that has them: red for errors and wrong
+// answers unless the thresholds let them pass. What these found is not in it (FormatJudgements).
+std::string LoadText(const LoadResults& results, int descriptor,
+                     std::span<const Judgement> judgements = {});
 
 // A line for each interval and each operation that the run has any of:
 // start,seconds,operation,offered,answered,failed,offered_per_second,answered_per_second,p50_micros,

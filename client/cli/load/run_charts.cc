@@ -7,6 +7,7 @@
 
 #include "client/cli/load/chart.h"
 #include "client/cli/load/metric.h"
+#include "client/cli/report.h"
 
 namespace arap::cli {
 namespace {
@@ -142,7 +143,7 @@ Chart StepsChart(const LoadResults& results) {
   chart.description =
       results.rate_found
           ? fmt::format("The highest rate that was met is {:.1f} a second.", *results.rate_found)
-          : fmt::format("{} rates were tried.", steps.size());
+          : Numbered(steps.size(), "rate") + " tried.";
   chart.x = CountAxis("offered messages a second", steps.back().rate);
   chart.y = MicrosAxis("", lowest, highest);
   return chart;

@@ -98,14 +98,16 @@ std::string StepsTable(const LoadResults& results, int descriptor) {
 }
 
 // What went wrong, or that nothing did.
-std::string ErrorLines(const LoadResults& results, int descriptor) {
+std::string ErrorLines(const LoadResults& results, int descriptor,
+                       std::span<const Judgement> judgements) {
   if (results.errors.empty()) return TextLine("errors", "none");
+  const Look look = LetPass(judgements, Metric::Kind::kErrors) ? Look::kDoubtful : Look::kBad;
   std::string text;
   for (const LoadError& error : results.errors) {
     std::string value = fmt::format("{} × {}", error.reason, error.count);
     if (!error.code.empty() && error.code != error.reason)
       value += fmt::format(" ({})", error.code);
-    text += Styled(descriptor, Look::kBad, "error") + std::string(kLabel - 5, ' ') + value + "\n";
+    text += Styled(descriptor, look, "error") + std::string(kLabel - 5, ' ') + value + "\n";
     if (!error.first.empty()) text += Wrapped(error.first, kLineWidth, kLabel);
   }
   return text;
@@ -129,25 +131,28 @@ std::string OverTime(const LoadResults& results) {
   return text.empty() ? text : "\n" + text;
 }
 
-std::string OtherLines(const LoadResults& results, int descriptor) {
+std::string OtherLines(const LoadResults& results, int descriptor,
+                       std::span<const Judgement> judgements) {
   std::string text;
+  const Look look = LetPass(judgements, Metric::Kind::kWrong) ? Look::kDoubtful : Look::kBad;
   const OperationResults total = results.Total();
   if (total.verified > 0) {
     const std::string different = fmt::format("{} wrong", total.wrong);
     text += TextLine("verified",
-                     fmt::format("{} answers were computed here too: {}", total.verified,
+                     fmt::format("{} computed here too: {}", Numbered(total.verified, "answer"),
                                  total.wrong == 0 ? std::string("none wrong")
-                                                  : Styled(descriptor, Look::kBad, different)));
+                                                  : Styled(descriptor, look, different)));
   }
   if (results.refused.Count() > 0) {
-    text += TextLine("no room",
-                     fmt::format("{} streams, told after p50 {}, max {}", results.refused.Count(),
-                                 FormatMicros(results.refused.Quantile(0.5)),
-                                 FormatMicros(results.refused.Max())));
+    text += TextLine("no room", fmt::format("{}, told after p50 {}, max {}",
+                                            Numbered(results.refused.Count(), "stream"),
+                                            FormatMicros(results.refused.Quantile(0.5)),
+                                            FormatMicros(results.refused.Max())));
   }
   if (results.resumptions + results.frames_lost > 0) {
-    text += TextLine("resumed", fmt::format("{} times, {} updates lost by it", results.resumptions,
-                                            results.frames_lost));
+    text +=
+        TextLine("resumed", fmt::format("{}, {} lost by it", Numbered(results.resumptions, "time"),
+                                        Numbered(results.frames_lost, "update")));
   }
   if (results.echo.Count() > 0) {
     text += TextLine("echo", fmt::format("p50 {}, p99 {}, max {}, without any work",
@@ -171,7 +176,8 @@ std::string Span(double seconds) {
 
 }  // namespace
 
-std::string LoadText(const LoadResults& results, int descriptor) {
+std::string LoadText(const LoadResults& results, int descriptor,
+                     std::span<const Judgement> judgements) {
   const std::uint64_t updates = results.operations[Operation::kDrag].answered;
   std::string text;
   if (!results.how.empty()) text += Wrapped(results.how, kLineWidth);
@@ -200,8 +206,8 @@ std::string LoadText(const LoadResults& results, int descriptor) {
                           [](const LoadStep& step) { return step.met; })) {
     text += TextLine("rate found", "none: not even the lowest was met");
   }
-  text += OtherLines(results, descriptor);
-  return text + ErrorLines(results, descriptor);
+  text += OtherLines(results, descriptor, judgements);
+  return text + ErrorLines(results, descriptor, judgements);
 }
 
 std::string LoadCsv(const LoadResults& results) {

@@ -125,6 +125,13 @@ std::vector<Judgement> Judge(std::span<const Threshold> thresholds, const LoadRe
   return judgements;
 }
 
+bool LetPass(std::span<const Judgement> judgements, Metric::Kind kind) {
+  const auto of_it = [kind](const Judgement& one) { return one.threshold.metric.kind == kind; };
+  return std::any_of(judgements.begin(), judgements.end(), of_it) &&
+         std::all_of(judgements.begin(), judgements.end(),
+                     [&](const Judgement& one) { return one.met || !of_it(one); });
+}
+
 std::string FormatJudgements(std::span<const Judgement> judgements, int descriptor) {
   std::size_t width = 0;
   for (const Judgement& one : judgements) {

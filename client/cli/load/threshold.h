@@ -40,6 +40,9 @@ struct Judgement {
 };
 std::vector<Judgement> Judge(std::span<const Threshold> thresholds, const LoadResults& results);
 
+// Whether thresholds speak of this and all that do are met: it is not held against the run then.
+bool LetPass(std::span<const Judgement> judgements, Metric::Kind kind);
+
 // "p99<20ms  met  12.3 ms", a line for each; what is missed is red on such a terminal.
 std::string FormatJudgements(std::span<const Judgement> judgements, int descriptor);
 // [{"threshold": "p99<20ms", "value": 12300, "met": true}], times in microseconds and parts of 1.
