@@ -2,6 +2,8 @@
 // fast the machine is: where a server is slow, it waits for a message that is due later.
 #include <algorithm>
 #include <deque>
+#include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -9,14 +11,18 @@
 
 #include "client/cli/load/load_run.h"
 #include "tests/cli/load_stub.h"
+#include "tests/support/folder.h"
 
 namespace arap::cli {
 namespace {
 
+using testing::AllOf;
 using testing::Each;
 using testing::Field;
 using testing::IsEmpty;
+using testing::Pair;
 using testing::SizeIs;
+using testing::UnorderedElementsAre;
 
 LoadRequest To(const LoadStub& stub) {
   LoadRequest request;
@@ -115,6 +121,41 @@ TEST(LoadEngine, StreamsShareSessionsAndConnections) {
   EXPECT_EQ(results.connections, 2u);
   EXPECT_EQ(stub.streams(), 20u);
   EXPECT_EQ(results.operations[Operation::kDrag].answered, 100u);
+}
+
+class LoadTokens : public FolderTest {};
+
+// Seven sessions on three tokens, of which the server knows one: what becomes of each token's share is in
+// the errors by code.
+TEST_F(LoadTokens, EachHasItsShareOfTheSessions) {
+  std::mutex mutex;
+  std::map<std::string, std::size_t> asked;
+  LoadStub stub(&ServeAll, [&](const std::string& authorization) {
+    const std::lock_guard lock(mutex);
+    ++asked[authorization];
+    if (authorization == "Bearer two")
+      return grpc::Status(grpc::StatusCode::UNAUTHENTICATED, "who?");
+    if (authorization == "Bearer three")
+      return grpc::Status(grpc::StatusCode::PERMISSION_DENIED, "no");
+    return grpc::Status::OK;
+  });
+  LoadRequest request = To(stub);
+  request.server.token_file = Put("one", "one\n");
+  request.more_token_files = {Put("two", "two\n"), Put("three", "three\n")};
+  request.streams = 7;
+  request.count = 70;
+  const LoadResults results = Measure(request);
+  EXPECT_THAT(asked, UnorderedElementsAre(Pair("Bearer one", 3u), Pair("Bearer two", 2u),
+                                          Pair("Bearer three", 2u)));
+  EXPECT_THAT(
+      results.errors,
+      UnorderedElementsAre(
+          AllOf(Field(&LoadError::code, "UNAUTHENTICATED"), Field(&LoadError::count, 2u)),
+          AllOf(Field(&LoadError::code, "PERMISSION_DENIED"), Field(&LoadError::count, 2u))));
+  EXPECT_EQ(results.connections, 3u) << "one for each token";
+  EXPECT_EQ(stub.streams(), 3u);
+  EXPECT_EQ(results.operations[Operation::kDrag].answered, 30u)
+      << "what the streams of one have of it";
 }
 
 TEST(LoadEngine, PingsGoBesideTheMessages) {

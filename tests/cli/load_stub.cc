@@ -13,8 +13,15 @@ class LoadStub::Service final : public v1::DeformationService::Service {
   using Context = grpc::ServerContext;
   using Status = grpc::Status;
 
-  Status CreateSession(Context*, const v1::CreateSessionRequest* request,
+  Status CreateSession(Context* context, const v1::CreateSessionRequest* request,
                        v1::CreateSessionResponse* response) override {
+    if (stub_.admit_) {
+      const auto found = context->client_metadata().find("authorization");
+      const bool none = found == context->client_metadata().end();
+      const Status admitted = stub_.admit_(
+          none ? std::string() : std::string(found->second.data(), found->second.size()));
+      if (!admitted.ok()) return admitted;
+    }
     ++stub_.sessions_;
     response->mutable_session()->set_session_id(request->session_id());
     return Status::OK;
@@ -64,8 +71,10 @@ class LoadStub::Service final : public v1::DeformationService::Service {
   LoadStub& stub_;
 };
 
-LoadStub::LoadStub(Script script)
-    : script_(std::move(script)), service_(std::make_unique<Service>(*this)) {
+LoadStub::LoadStub(Script script, Admit admit)
+    : script_(std::move(script)),
+      admit_(std::move(admit)),
+      service_(std::make_unique<Service>(*this)) {
   grpc::ServerBuilder builder;
   builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port_);
   builder.RegisterService(service_.get());

@@ -24,8 +24,11 @@ class LoadStub {
   // Runs for each stream, on a thread of its own, when it is open; it is the `number`-th.
   using Script = std::function<grpc::Status(LoadStub& stub, Stream& stream, std::size_t number)>;
 
+  // What becomes of an opening of a session, by the `authorization` of the call.
+  using Admit = std::function<grpc::Status(const std::string& authorization)>;
+
   // Listens on a free port of 127.0.0.1.
-  explicit LoadStub(Script script);
+  explicit LoadStub(Script script, Admit admit = {});
   ~LoadStub();
 
   std::string address() const;
@@ -40,6 +43,7 @@ class LoadStub {
   class Service;
 
   const Script script_;
+  const Admit admit_;
   std::atomic<std::size_t> sessions_ = 0, streams_ = 0;
   mutable std::mutex mutex_;
   int vertices_ = 0;  // of the mesh
