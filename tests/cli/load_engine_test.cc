@@ -254,13 +254,19 @@ TEST(LoadEngine, WrongAnswersAreCountedByWhatIsWrong) {
 TEST(LoadEngine, ShapesThatAreOthersAreFound) {
   LoadStub stub(&ServeAll);
   LoadRequest request = To(stub);
-  request.count = 5;
+  request.count = 20;
   request.verify = 1;
+  const auto mix = Mix::Parse("drag=3,edit=1");
+  ASSERT_TRUE(mix) << mix.error().message;
+  request.mix = *mix;
   const LoadResults results = Measure(request);
   const OperationResults& drags = results.operations[Operation::kDrag];
-  EXPECT_EQ(drags.answered, 5u);
-  EXPECT_EQ(drags.verified, 5u);
-  EXPECT_EQ(drags.wrong, 5u) << "they are all zeros";
+  const OperationResults& edits = results.operations[Operation::kEdit];
+  EXPECT_EQ(drags.answered + edits.answered, 20u);
+  EXPECT_GT(drags.verified, 0u);
+  EXPECT_GT(edits.verified, 0u);
+  EXPECT_EQ(drags.wrong, drags.verified) << "they are all zeros";
+  EXPECT_EQ(edits.wrong, edits.verified);
 }
 
 TEST(LoadEngine, ASearchStopsWhereNothingIsMet) {

@@ -55,8 +55,9 @@ LoadEngine::LoadEngine(const EngineOptions& options, const LoadScene& scene,
 LoadEngine::~LoadEngine() { Close(); }
 
 Status LoadEngine::VerifyWith(const client::Client& reference) {
-  TRY(verifier_, Verifier::Open(reference, scene_, options_.shape.deform));
+  TRY(verifier_, Verifier::Open(reference, scene_));
   kind_.verifier = verifier_.get();
+  side_calls_.VerifyWith(*verifier_);
   return {};
 }
 

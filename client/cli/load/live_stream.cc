@@ -151,8 +151,10 @@ void LiveStream::SendDue(const Sender::Due& due, Moment now) {
   const Sent sent{operation, due.intended, now};
   tally().CountSent(sent);
   ++messages_;
+  const bool verify = kind_.verifier != nullptr &&
+                      DrawPart(kind_.seed, Draw::kVerify, number_, number) < kind_.verify;
   if (operation != Operation::kDrag && operation != Operation::kEdit) {
-    return StartBeside(sent, number);
+    return StartBeside(sent, number, verify);
   }
   if (on_their_way_.empty()) heard_ = now;
   const std::uint64_t sequence = ++sequence_;
@@ -161,10 +163,8 @@ void LiveStream::SendDue(const Sender::Due& due, Moment now) {
   message.sequence = sequence;
   message.number = number;
   message.sent = sent;
+  message.verify = verify;
   if (operation == Operation::kDrag) {
-    // With the further handle on the mesh the shape depends on when that came.
-    message.verify = kind_.verifier != nullptr && !extra_ &&
-                     DrawPart(kind_.seed, Draw::kVerify, number_, number) < kind_.verify;
     request.mutable_update()->set_sequence(sequence);
     FillDrag(number, *request.mutable_update());
   } else {
@@ -207,15 +207,17 @@ void LiveStream::SendPing(const Sender::Due& due, Moment now) {
   Write();
 }
 
-void LiveStream::StartBeside(const Sent& sent, std::uint64_t number) {
+void LiveStream::StartBeside(const Sent& sent, std::uint64_t number, bool verify) {
   const std::uint64_t ticket = ++tickets_;
   beside_.emplace(ticket, sent);
   // Streams and calls do not have the same of anything.
   const std::uint64_t unlike = DrawBits(kind_.seed, Draw::kMotion, number_, number);
-  kind_.side_calls->Start(sent.operation, session_, unlike,
-                          [this, ticket](Moment now, const Result<ServerTimes>& times) {
-                            OnSideAnswer(ticket, now, times);
-                          });
+  kind_.side_calls->Start(
+      sent.operation, session_, unlike,
+      [this, ticket](Moment now, const Result<ServerTimes>& times) {
+        OnSideAnswer(ticket, now, times);
+      },
+      verify ? Verdict(sent.operation) : Verifier::Told());
 }
 
 void LiveStream::OnWritten(bool ok) {

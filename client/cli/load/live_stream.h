@@ -36,7 +36,7 @@ struct StreamKind {
   client::Delivery delivery = client::Delivery::kEvery;
   Mix mix;
   std::uint64_t seed = 0;
-  double verify = 0;  // which part of the shapes is computed here too
+  double verify = 0;  // which part of the answers is computed here too
   // As those of client::StreamOptions.
   std::chrono::milliseconds resume_within{0}, silence{0};
   Verifier* verifier = nullptr;  // or none
@@ -144,7 +144,8 @@ class LiveStream final : public WireCall::Owner {
   void Pump(Moment now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Appoint(Moment when, Moment now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void SendDue(const Sender::Due& due, Moment now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void StartBeside(const Sent& sent, std::uint64_t number) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void StartBeside(const Sent& sent, std::uint64_t number, bool verify)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // The end of a call beside the stream.
   void OnSideAnswer(std::uint64_t ticket, Moment now, const Result<ServerTimes>& times);
   void SendPing(const Sender::Due& due, Moment now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -157,6 +158,11 @@ class LiveStream final : public WireCall::Owner {
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeError(const v1::UpdateError& error, Moment now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakePong(std::uint64_t nonce, Moment now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // The server has the update or the edit now, in the order of its answers.
+  void NoteTaken(const OnItsWay& message) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Counts whether an answer was right.
+  Verifier::Told Verdict(Operation operation) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Verify(const OnItsWay& message, client::Shape shape) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // The message that was answered, less those that it has replaced; nothing when none was due.
   std::optional<OnItsWay> TakeAnswered(std::uint64_t sequence)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -204,6 +210,11 @@ class LiveStream final : public WireCall::Owner {
   std::uint64_t sequence_ ABSL_GUARDED_BY(mutex_) = 0;
   std::uint64_t before_ ABSL_GUARDED_BY(mutex_) = 0;  // messages of earlier phases
   bool extra_ ABSL_GUARDED_BY(mutex_) = false;        // whether edits have added the further handle
+  // As far as the server has answered: the number of the last drag, which is where its handles are; whether
+  // the further handle is there, and since which drag. Nothing where that is not known.
+  std::optional<std::uint64_t> taken_ ABSL_GUARDED_BY(mutex_);
+  bool extra_there_ ABSL_GUARDED_BY(mutex_) = false;
+  std::optional<std::uint64_t> extra_since_ ABSL_GUARDED_BY(mutex_);
   std::deque<OnItsWay> on_their_way_ ABSL_GUARDED_BY(mutex_);
   std::map<std::uint64_t, Sent> beside_ ABSL_GUARDED_BY(mutex_);  // calls, by their tickets
   std::deque<Asked> pings_ ABSL_GUARDED_BY(mutex_);

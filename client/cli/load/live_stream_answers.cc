@@ -91,6 +91,7 @@ std::optional<LiveStream::OnItsWay> LiveStream::TakeAnswered(std::uint64_t seque
       // Newer updates take the place of older ones, and of nothing else.
       if (every || message.sent.operation == Operation::kEdit) break;
       if (!message.given_up) tally().CountReplaced(message.sent);
+      NoteTaken(message);
     }
     on_their_way_.pop_front();
     if (!message.given_up) sender_->Answered();
@@ -103,23 +104,46 @@ std::optional<LiveStream::OnItsWay> LiveStream::TakeAnswered(std::uint64_t seque
 void LiveStream::TakeShape(std::uint64_t sequence, Result<client::Shape> shape, Moment now) {
   if (!IsNew(sequence, true)) return;
   const auto message = TakeAnswered(sequence);
-  if (!message || message->given_up) return;
+  if (!message) return;
+  NoteTaken(*message);
+  if (message->given_up) return;
   if (!shape) {
     tally().CountFailed(message->sent, now);
     tally().CountBadReply(shape.error().message);
     return;
   }
   tally().CountAnswered(message->sent, now, ServerTimes{shape->queue_micros, shape->solve_micros});
-  if (!message->verify) return;
-  kind_.verifier->Ask({TargetsOf(kind_.scene, kind_.seed, number_, message->number),
-                       std::move(shape->positions), shape->position_error,
-                       [phase = phase_, stream = number_](const Result<bool>& right) {
-                         Tally& tally = phase->TallyOf(stream);
-                         if (!right) return tally.CountError(right.error());
-                         tally.CountVerified(*right);
-                         if (!*right)
-                           tally.CountBadReply("A shape is not the one that was computed here.");
-                       }});
+  if (message->verify) Verify(*message, *std::move(shape));
+}
+
+void LiveStream::NoteTaken(const OnItsWay& message) {
+  if (message.sent.operation == Operation::kDrag) {
+    taken_ = message.number;
+    return;
+  }
+  extra_there_ = !extra_there_;
+  extra_since_ = extra_there_ ? taken_ : std::nullopt;
+}
+
+Verifier::Told LiveStream::Verdict(Operation operation) const {
+  return [phase = phase_, stream = number_, operation](const Result<bool>& right) {
+    Tally& tally = phase->TallyOf(stream);
+    if (!right) return tally.CountError(right.error());
+    tally.CountVerified(operation, *right);
+    if (*right) return;
+    tally.CountBadReply(
+        fmt::format("The answer to a {} is not what was computed here.", NameOf(operation)));
+  };
+}
+
+void LiveStream::Verify(const OnItsWay& message, client::Shape shape) {
+  if (!taken_ || (extra_there_ && !extra_since_)) return;
+  const auto targets = [this](std::uint64_t number) {
+    return TargetsOf(kind_.scene, kind_.seed, number_, number);
+  };
+  Verifier::Pose pose{.targets = targets(*taken_), .deform = kind_.shape.deform};
+  if (extra_there_) pose.extra_since = targets(*extra_since_);
+  kind_.verifier->AskShape(std::move(pose), std::move(shape), Verdict(message.sent.operation));
 }
 
 void LiveStream::TakeError(const v1::UpdateError& error, Moment now) {
@@ -127,8 +151,12 @@ void LiveStream::TakeError(const v1::UpdateError& error, Moment now) {
   if (!IsNew(error.sequence(), false)) return tally().CountError(fault);
   const auto message = TakeAnswered(error.sequence());
   if (!message) return;
-  // A bad edit has changed nothing.
-  if (message->sent.operation == Operation::kEdit) extra_ = !extra_;
+  // A bad edit has changed nothing; of a drag some faults come after its targets were taken.
+  if (message->sent.operation == Operation::kEdit) {
+    extra_ = !extra_;
+  } else {
+    taken_.reset();
+  }
   if (message->given_up) return;
   tally().CountFailed(message->sent, now);
   tally().CountError(fault);

@@ -54,7 +54,7 @@ struct LoadRequest {
   std::optional<std::size_t> window;  // default: 1, and no bound in an open loop without `fps`
 
   double echo = 0;    // pings a second, all streams together
-  double verify = 0;  // which part of the shapes
+  double verify = 0;  // which part of the answers
   std::optional<double>
       resume;          // seconds; default 10, and 0 with a private server, which does not come back
   bool quiet = false;  // no line of how it goes

@@ -62,18 +62,20 @@ void SideCalls::CancelAll() {
   for (grpc::ClientContext* const context : under_way_) context->TryCancel();
 }
 
-void SideCalls::StartFlatten(const LoadSession& session, Done done) {
+void SideCalls::StartFlatten(const LoadSession& session, Done done, Verifier::Told verified) {
   auto* const call = new Pending<v1::FlattenRequest, v1::FlattenResponse>;
   call->channel = session.connection->Get().first;
   Prepare(session, call->context);
   Enter(call->context);
   call->channel->flattening().async()->Flatten(
       &call->context, &flatten_, &call->response,
-      [this, call, done = std::move(done)](const grpc::Status& status) {
+      [this, call, done = std::move(done),
+       verified = std::move(verified)](const grpc::Status& status) {
         const Moment now = Now();
         if (!status.ok()) {
           done(now, Fail(convert::FaultOf(status)));
         } else if (auto flat = client::internal::FromWire(call->response, scene_.surface, {})) {
+          if (verified) verifier_->AskFlat(std::move(flat->flat.uv), verified);
           done(now, ServerTimes{flat->queue_micros, flat->solve_micros});
         } else {
           done(now, Fail(std::move(flat.error())));
@@ -84,7 +86,8 @@ void SideCalls::StartFlatten(const LoadSession& session, Done done) {
       });
 }
 
-void SideCalls::StartRegister(const LoadSession& session, std::uint64_t number, Done done) {
+void SideCalls::StartRegister(const LoadSession& session, std::uint64_t number, Done done,
+                              Verifier::Told verified) {
   auto* const call = new Pending<v1::RegisterMeshRequest, v1::RegisterMeshResponse>;
   call->channel = session.connection->Get().first;
   Prepare(session, call->context);
@@ -96,12 +99,14 @@ void SideCalls::StartRegister(const LoadSession& session, std::uint64_t number, 
   Enter(call->context);
   call->channel->deformation().async()->RegisterMesh(
       &call->context, &call->request, &call->response,
-      [this, &session, call, done = std::move(done)](const grpc::Status& status) {
+      [this, &session, call, scale, done = std::move(done),
+       verified = std::move(verified)](const grpc::Status& status) {
         const Moment now = Now();
         const v1::RegisterMeshResponse& response = call->response;
         if (!status.ok()) {
           done(now, Fail(convert::FaultOf(status)));
         } else if (auto mesh = client::internal::FromWire(response.mesh(), {}, &scene_.mesh)) {
+          if (verified) verifier_->AskMesh(scale, *mesh, verified);
           done(now, ServerTimes{convert::Micros(response.queue_time()),
                                 convert::Micros(response.solve_time())});
           Forget(session, mesh->id);
@@ -134,10 +139,13 @@ void SideCalls::Forget(const LoadSession& session, const std::string& mesh_id) {
 // A track of some frames; it goes when it is over.
 class SideCalls::Bake final : public grpc::ClientReadReactor<v1::DeformTrackResponse> {
  public:
-  Bake(SideCalls& calls, const LoadSession& session, std::uint64_t number, Done done)
+  Bake(SideCalls& calls, const LoadSession& session, std::uint64_t number, Done done,
+       Verifier::Told verified)
       : calls_(calls),
         scene_(calls.scene_),
+        number_(number),
         done_(std::move(done)),
+        verified_(std::move(verified)),
         channel_(session.connection->Get().first) {
     Prepare(session, context_);
     request_.set_session_id(session.id);
@@ -173,13 +181,14 @@ class SideCalls::Bake final : public grpc::ClientReadReactor<v1::DeformTrackResp
     }
     const client::internal::MeshSize size{scene_.mesh.vertices.size(),
                                           scene_.mesh.triangles.size()};
-    TRY(const client::Shape shape, client::internal::FromWire(response_.shape(), {options_, size}));
+    TRY(client::Shape shape, client::internal::FromWire(response_.shape(), {options_, size}));
     if (shape.sequence != frames_) {
       return Fail(client::internal::BadAnswer("The server answered a frame out of its turn."));
     }
-    ++frames_;
     times_.queue_micros += shape.queue_micros;
     times_.solve_micros += shape.solve_micros;
+    if (verified_ && frames_ == number_ % kBakedFrames) kept_ = std::move(shape);
+    ++frames_;
     return {};
   }
 
@@ -193,6 +202,10 @@ class SideCalls::Bake final : public grpc::ClientReadReactor<v1::DeformTrackResp
       done_(now, Fail(client::internal::BadAnswer(
                      fmt::format("The server answered {} frames of {}.", frames_, kBakedFrames))));
     } else {
+      if (kept_) {
+        Verifier::Pose pose{TargetsOf(scene_, calls_.seed_, number_, number_ % kBakedFrames)};
+        calls_.verifier_->AskShape(std::move(pose), *std::move(kept_), verified_);
+      }
       done_(now, times_);
     }
     Gate& gate = calls_.gate_;
@@ -203,7 +216,9 @@ class SideCalls::Bake final : public grpc::ClientReadReactor<v1::DeformTrackResp
 
   SideCalls& calls_;
   const LoadScene& scene_;
+  const std::uint64_t number_;
   const Done done_;
+  const Verifier::Told verified_;
   const std::shared_ptr<client::internal::Channel> channel_;
   const client::ShapeOptions options_;
   grpc::ClientContext context_;
@@ -211,19 +226,20 @@ class SideCalls::Bake final : public grpc::ClientReadReactor<v1::DeformTrackResp
   v1::DeformTrackResponse response_;
   std::size_t frames_ = 0;
   ServerTimes times_;
+  std::optional<client::Shape> kept_;  // to be verified
   std::optional<Fault> bad_;
 };
 
 void SideCalls::Start(Operation operation, const LoadSession& session, std::uint64_t number,
-                      Done done) {
+                      Done done, Verifier::Told verified) {
   switch (operation) {
     case Operation::kBake:
-      new Bake(*this, session, number, std::move(done));
+      new Bake(*this, session, number, std::move(done), std::move(verified));
       return;
     case Operation::kFlatten:
-      return StartFlatten(session, std::move(done));
+      return StartFlatten(session, std::move(done), std::move(verified));
     case Operation::kRegister:
-      return StartRegister(session, number, std::move(done));
+      return StartRegister(session, number, std::move(done), std::move(verified));
     case Operation::kDrag:
     case Operation::kEdit:
       return;

@@ -16,6 +16,7 @@
 #include "client/cli/load/results.h"
 #include "client/cli/load/scene.h"
 #include "client/cli/load/tally.h"
+#include "client/cli/load/verifier.h"
 #include "client/cli/load/wire_call.h"
 
 namespace arap::cli {
@@ -32,10 +33,15 @@ class SideCalls {
   // All have to outlive the last call in the gate.
   SideCalls(const LoadScene& scene, std::uint64_t seed, Gate& gate);
 
+  // Answers are verified with this from now on, where Start asks for it; it has to outlive the last call.
+  void VerifyWith(Verifier& verifier) { verifier_ = &verifier; }
+
   // Makes the call once, within kWorkLimit, and checks its answer; `done` is told on a thread of gRPC.
+  // `verified`, where there is one, is told whether a good answer is right; of a bake one frame is.
   // `number` makes what is baked and registered unlike what other calls have: a mesh that the server
   // has already would cost it nothing. A mesh is deleted again when it is registered, without counting.
-  void Start(Operation operation, const LoadSession& session, std::uint64_t number, Done done);
+  void Start(Operation operation, const LoadSession& session, std::uint64_t number, Done done,
+             Verifier::Told verified = {});
   // Ends those that are under way.
   void CancelAll();
 
@@ -46,13 +52,15 @@ class SideCalls {
   // Then the call may go, and last of all it leaves the gate.
   void Leave(grpc::ClientContext& context);
 
-  void StartFlatten(const LoadSession& session, Done done);
-  void StartRegister(const LoadSession& session, std::uint64_t number, Done done);
+  void StartFlatten(const LoadSession& session, Done done, Verifier::Told verified);
+  void StartRegister(const LoadSession& session, std::uint64_t number, Done done,
+                     Verifier::Told verified);
   void Forget(const LoadSession& session, const std::string& mesh_id);
 
   const LoadScene& scene_;
   const std::uint64_t seed_;
   Gate& gate_;
+  Verifier* verifier_ = nullptr;
   Mutex mutex_;
   std::set<grpc::ClientContext*> under_way_ ABSL_GUARDED_BY(mutex_);
   v1::FlattenRequest flatten_;

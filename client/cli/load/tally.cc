@@ -106,11 +106,11 @@ void Tally::CountReplaced(const Sent& message) {
   if (Step* const step = StepOf(message.intended)) ++step->replaced;
 }
 
-void Tally::CountVerified(bool right) {
+void Tally::CountVerified(Operation operation, bool right) {
   const MutexLock lock(&mutex_);
-  OperationResults& drags = operations_[Operation::kDrag];
-  ++drags.verified;
-  if (!right) ++drags.wrong;
+  OperationResults& done = operations_[operation];
+  ++done.verified;
+  if (!right) ++done.wrong;
 }
 
 void Tally::Note(const std::string& code, const std::string& reason, const std::string& sentence) {

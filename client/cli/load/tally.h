@@ -79,7 +79,7 @@ class Tally {
   void CountAnswered(const Sent& message, Moment answered, std::optional<ServerTimes> times);
   void CountFailed(const Sent& message, Moment now);
   void CountReplaced(const Sent& message);
-  void CountVerified(bool right);
+  void CountVerified(Operation operation, bool right);
   // Something went wrong, whether or not with a message.
   void CountError(const Fault& fault);
   void CountBadReply(const std::string& sentence);
