@@ -10,7 +10,6 @@
 #include <thread>
 
 #include "arap/base/fault.h"
-#include "core/base/mutex.h"
 
 namespace arap::cli {
 
@@ -41,9 +40,8 @@ class Patience {
   const std::string what_;
   std::atomic<std::int64_t> heard_;  // when, in nanoseconds of the steady clock
   std::atomic<End> end_ = End::kNone;
-  Mutex mutex_;
-  CondVar wake_;
-  bool done_ ABSL_GUARDED_BY(mutex_) = false;
+  const int wake_;  // an eventfd, which a signal handler may write to
+  std::atomic<bool> done_ = false;
   struct sigaction before_ {};  // what SIGINT did
   std::thread watcher_;
 };

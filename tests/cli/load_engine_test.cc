@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <mutex>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -168,6 +169,25 @@ TEST(LoadEngine, PingsGoBesideTheMessages) {
   EXPECT_THAT(results.errors, IsEmpty());
   EXPECT_GT(results.echo.Count(), 0u);
   EXPECT_LE(results.echo.Count(), 100u);
+}
+
+// An hour of a server that never answers.
+TEST(LoadEngine, EndsWhenItIsToldTo) {
+  std::stop_source stop;
+  LoadStub stub([&](LoadStub&, LoadStub::Stream& stream, std::size_t) {
+    LoadStub::Request request;
+    stream.Read(&request);
+    stop.request_stop();
+    while (stream.Read(&request)) {
+    }
+    return grpc::Status::CANCELLED;
+  });
+  LoadRequest request = To(stub);
+  request.seconds = 3600;
+  const auto results = RunLoad(request, stop.get_token());
+  ASSERT_TRUE(results) << results.error().message;
+  EXPECT_EQ(results->operations[Operation::kDrag].sent, 1u);
+  EXPECT_EQ(results->operations[Operation::kDrag].answered, 0u);
 }
 
 TEST(LoadEngine, AStreamThatIsLostGoesOn) {

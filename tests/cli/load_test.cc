@@ -1,5 +1,6 @@
 // info and load against a private server.
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,8 @@ TEST_F(LoadCommand, InfoTellsVersionLimitsAndCapabilities) {
   ASSERT_EQ(text.code, 0) << text.err;
   EXPECT_THAT(text.out, HasSubstr("version"));
   EXPECT_THAT(text.out, HasSubstr("max_vertices"));
+  std::istringstream lines(text.out);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
   const Outcome json = Arapctl({"info", "--spawn", "--json"});
   ASSERT_EQ(json.code, 0) << json.err;
   const auto info = nlohmann::json::parse(json.out, nullptr, false);

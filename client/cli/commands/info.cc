@@ -1,5 +1,7 @@
 // arapctl info: what the server is and what it allows.
 #include <memory>
+#include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,6 +11,7 @@
 #include "client/cli/connect/connection.h"
 #include "client/cli/reply.h"
 #include "client/cli/report.h"
+#include "client/cli/terminal.h"
 #include "core/base/try.h"
 
 namespace arap::cli {
@@ -44,8 +47,10 @@ Result<Reply> Info(const InfoOptions& options) {
        {"limits", limits},
        {"capabilities", info.capabilities}},
       fmt::format("version       {}\nworkers       {}\n", Printable(info.version), info.workers)};
-  answer.text += fmt::format("capabilities  {}\n",
-                             Printable(fmt::format("{}", fmt::join(info.capabilities, " "))));
+  constexpr std::string_view kLabel = "capabilities  ";
+  const std::string words = Wrapped(Printable(fmt::format("{}", fmt::join(info.capabilities, " "))),
+                                    kLineWidth, kLabel.size());
+  answer.text += std::string(kLabel) + (words.empty() ? "none\n" : words.substr(kLabel.size()));
   for (const auto& [name, value] : limits.items()) {
     answer.text += fmt::format("{:<28} {}\n", name, value.dump());
   }

@@ -1,7 +1,7 @@
 #include "client/cli/load/engine.h"
 
 #include <algorithm>
-#include <thread>
+#include <stop_token>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,7 +17,6 @@ namespace {
 constexpr std::size_t kTallies = 4;
 constexpr std::size_t kPacers = 2;
 constexpr std::size_t kOpeningAtOnce = 256;
-constexpr Moment kTick = std::chrono::milliseconds(20);
 constexpr Moment kSecond = std::chrono::seconds(1);
 constexpr Moment kLastWords = std::chrono::seconds(5);
 
@@ -50,7 +49,8 @@ LoadEngine::LoadEngine(const EngineOptions& options, const LoadScene& scene,
             .resume_within = options.resume_within,
             .silence = options.silence,
             .side_calls = &side_calls_,
-            .gate = &gate_} {}
+            .gate = &gate_,
+            .bell = &bell_} {}
 
 LoadEngine::~LoadEngine() { Close(); }
 
@@ -84,6 +84,9 @@ void LoadEngine::OpenStreams(const std::shared_ptr<LoadPhase>& phase) {
     streams_.push_back(std::make_unique<LiveStream>(kind_, i, sessions_[session],
                                                     ConnectionOf(session, i / sessions_.size())));
   }
+  const std::stop_callback cancel(stop_, [this] {
+    for (const auto& stream : streams_) stream->Cancel();
+  });
   const auto opening = std::make_shared<Gate>();
   const auto await = [&](std::size_t fewer) {
     while (!opening->AwaitFewer(fewer, std::chrono::steady_clock::now() + kSecond)) {
@@ -132,15 +135,22 @@ PhaseEnd LoadEngine::Run(const std::shared_ptr<LoadPhase>& phase, const OnSecond
 }
 
 bool LoadEngine::Watch(const LoadPhase& phase, Moment until, const OnSecond& on_second) {
-  while (Now() < until) {
-    if (AllDone()) return true;
+  const std::stop_callback ring(stop_, [this] { bell_.Ring(); });
+  std::size_t done = 0;  // so many streams, the first ones, are; they stay it
+  for (;;) {
+    while (done < streams_.size() && streams_[done]->is_done()) ++done;
+    if (done == streams_.size()) return true;
     if (stop_.stop_requested()) return false;
     const Moment now = Now();
+    if (now >= until) return true;
     if (now - looked_ >= kSecond) {
       looked_ = now;
       for (const auto& stream : streams_) stream->Look();
     }
-    if (now >= phase.begin + static_cast<Moment::rep>(seconds_ + 1) * kSecond) {
+    const auto next_second = [&] {
+      return phase.begin + static_cast<Moment::rep>(seconds_ + 1) * kSecond;
+    };
+    if (now >= next_second()) {
       ++seconds_;
       Glance glance;
       for (const auto& tally : phase.tallies) {
@@ -151,14 +161,9 @@ bool LoadEngine::Watch(const LoadPhase& phase, Moment until, const OnSecond& on_
       }
       if (!on_second(static_cast<double>(seconds_), glance)) return false;
     }
-    std::this_thread::sleep_for(std::min(kTick, until - now));
+    const Moment next = std::min({until, looked_ + kSecond, next_second()});
+    bell_.AwaitUntil(std::chrono::steady_clock::time_point(next));
   }
-  return true;
-}
-
-bool LoadEngine::AllDone() const {
-  return std::all_of(streams_.begin(), streams_.end(),
-                     [](const auto& stream) { return stream->is_done(); });
 }
 
 std::uint64_t LoadEngine::Messages() const {
@@ -168,12 +173,13 @@ std::uint64_t LoadEngine::Messages() const {
 }
 
 void LoadEngine::Close() {
+  const std::stop_callback ring(stop_, [this] { bell_.Ring(); });
   for (const auto& stream : streams_) stream->Close();
   const Moment until = Now() + kLastWords;
-  const auto is_over = [](const auto& stream) { return stream->is_over(); };
-  while (Now() < until && !stop_.stop_requested() &&
-         !std::all_of(streams_.begin(), streams_.end(), is_over)) {
-    std::this_thread::sleep_for(kTick);
+  for (std::size_t over = 0; Now() < until && !stop_.stop_requested();) {
+    while (over < streams_.size() && streams_[over]->is_over()) ++over;
+    if (over == streams_.size()) break;
+    bell_.AwaitUntil(std::chrono::steady_clock::time_point(until));
   }
   pacer_.reset();
   for (const auto& stream : streams_) stream->Cancel();

@@ -76,7 +76,6 @@ class LoadEngine {
   // Sessions are dealt round to the tokens, and then to the connections of their token; the streams of a
   // session take one connection after the other.
   LoadConnection& ConnectionOf(std::size_t session, std::size_t turn) const;
-  bool AllDone() const;
   std::uint64_t Messages() const;
   // Looks after the streams until the time is up, they are done or it shall stop; every second
   // `on_second` is asked. False when it shall stop.
@@ -89,6 +88,7 @@ class LoadEngine {
   const std::stop_token stop_;
   std::unique_ptr<Verifier> verifier_;
   Gate gate_;
+  Bell bell_;
   SideCalls side_calls_;
   StreamKind kind_;
   std::vector<LoadSession> sessions_;

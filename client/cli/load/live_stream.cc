@@ -86,6 +86,7 @@ void LiveStream::Begin(std::shared_ptr<const LoadPhase> phase) {
 
 void LiveStream::StartSending(Moment begin) {
   const LoadPhase& phase = *phase_;
+  rung_ = false;
   if (sender_) before_ += sender_->taken();
   Sender::Options options{begin, begin + (phase.end - phase.begin), phase.window};
   if (phase.most) options.most = ShareOf(*phase.most, number_, phase.streams);
@@ -116,6 +117,15 @@ void LiveStream::Appoint(Moment when, Moment now) {
 }
 
 void LiveStream::Pump(Moment now) {
+  SendWhatIsDue(now);
+  RingWhenDone();
+}
+
+void LiveStream::RingWhenDone() {
+  if (IsDone() && !std::exchange(rung_, true)) kind_.bell->Ring();
+}
+
+void LiveStream::SendWhatIsDue(Moment now) {
   if (state_ == State::kLost && !closing_) {
     if (now >= reopen_at_) return StartCall(now);
     return Appoint(reopen_at_, now);
@@ -285,6 +295,7 @@ void LiveStream::End(Moment now) {
   FailAll(now);
   // What would have been due on it is unsent, to the end of the phase.
   if (sender_) StopSending(kNever);
+  kind_.bell->Ring();
 }
 
 void LiveStream::StopSending(Moment now) {
@@ -310,6 +321,7 @@ void LiveStream::StopSending() {
   const Moment now = Now();
   const MutexLock lock(&mutex_);
   if (sender_) StopSending(now);
+  RingWhenDone();
 }
 
 std::size_t LiveStream::GiveUpWaiting() {
@@ -359,6 +371,10 @@ bool LiveStream::is_over() const {
 
 bool LiveStream::is_done() const {
   const MutexLock lock(&mutex_);
+  return IsDone();
+}
+
+bool LiveStream::IsDone() const {
   return state_ == State::kOver ? beside_.empty() : sender_ && sender_->is_done();
 }
 

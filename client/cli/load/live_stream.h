@@ -43,6 +43,7 @@ struct StreamKind {
   SideCalls* side_calls = nullptr;
   Pacer* pacer = nullptr;
   Gate* gate = nullptr;
+  Bell* bell = nullptr;  // rings when a stream is done with its phase, and when it is over
 };
 
 // A stretch of time in which streams send in one way.
@@ -140,8 +141,12 @@ class LiveStream final : public WireCall::Owner {
 
   void StartCall(Moment now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void StartSending(Moment begin) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  // Sends whatever is due and may be sent, and makes an appointment for what comes next.
+  // Sends whatever is due and may be sent, makes an appointment for what comes next, and rings when nothing
+  // does.
   void Pump(Moment now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void SendWhatIsDue(Moment now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool IsDone() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void RingWhenDone() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Appoint(Moment when, Moment now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void SendDue(const Sender::Due& due, Moment now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void StartBeside(const Sent& sent, std::uint64_t number, bool verify)
@@ -207,6 +212,7 @@ class LiveStream final : public WireCall::Owner {
 
   std::optional<Sender> sender_ ABSL_GUARDED_BY(mutex_), echo_ ABSL_GUARDED_BY(mutex_);
   Moment appointed_ ABSL_GUARDED_BY(mutex_) = kNever;
+  bool rung_ ABSL_GUARDED_BY(mutex_) = false;  // in this phase
   std::uint64_t sequence_ ABSL_GUARDED_BY(mutex_) = 0;
   std::uint64_t before_ ABSL_GUARDED_BY(mutex_) = 0;  // messages of earlier phases
   bool extra_ ABSL_GUARDED_BY(mutex_) = false;        // whether edits have added the further handle

@@ -26,6 +26,19 @@ bool Gate::AwaitFewer(std::size_t fewer, std::chrono::steady_clock::time_point u
   return true;
 }
 
+void Bell::Ring() {
+  const MutexLock lock(&mutex_);
+  rung_ = true;
+  changed_.SignalAll();
+}
+
+void Bell::AwaitUntil(std::chrono::steady_clock::time_point until) {
+  const MutexLock lock(&mutex_);
+  while (!rung_ && !changed_.WaitUntil(&mutex_, until)) {
+  }
+  rung_ = false;
+}
+
 void WireCall::OnReadDone(bool ok) {
   if (ok) {
     owner_.OnMessage(incoming_);

@@ -29,6 +29,19 @@ class Gate {
   std::size_t inside_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
+// Wakes who waits for something that others do. Thread-safe.
+class Bell {
+ public:
+  void Ring();
+  // Until it rings, has rung since it was last waited for, or the time has come.
+  void AwaitUntil(std::chrono::steady_clock::time_point until);
+
+ private:
+  Mutex mutex_;
+  CondVar changed_;
+  bool rung_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
 // Owns itself: it goes when the call is over and the owner was told. Messages are read as fast as the
 // owner takes them; one is written at a time. Holds two messages and what gRPC keeps of a call, some
 // 20 kB besides the shape.
