@@ -1,7 +1,9 @@
 #include "core/sparse/factor.h"
 
 #include <cstdint>
+#include <cstdlib>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <type_traits>
 
@@ -51,8 +53,13 @@ void UseOneBlasThread() {
 // speed: a factorisation took twice its processor time. What the caller has set comes back.
 class NoOpenMp {
  public:
+  // std::bad_alloc where the first of a thread finds no memory: OpenMP takes 216 bytes then, and ends
+  // the process when it does not get them.
   NoOpenMp() {
     if (!Calls().set || !Calls().get) return;
+    thread_local bool known = false;
+    if (!known) FindRoom();
+    known = true;
     before_ = Calls().get();
     Calls().set(0);
   }
@@ -67,6 +74,13 @@ class NoOpenMp {
     void (*set)(int);
     int (*get)();
   };
+  // Far more than OpenMP takes right afterwards.
+  static void FindRoom() {
+    constexpr std::size_t kRoom = 16'384;
+    void* const volatile room = std::malloc(kRoom);  // volatile: or the compiler leaves it out
+    if (room == nullptr) throw std::bad_alloc();
+    std::free(room);
+  }
   // Not every CHOLMOD is built with OpenMP, so they are looked up.
   static const Functions& Calls() {
     static const Functions kCalls{
