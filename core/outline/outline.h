@@ -29,9 +29,9 @@ inline constexpr double kSecondsToSimplify = 30e-6;
 // The same outlines with fewer points, all of them points of the given ones: no point of an outline
 // is further than `tolerance` from what is made of it, nor the other way round, and none crosses or
 // touches itself or another. Needs finite coordinates and three points in each. About n log n, and
-// half a kilobyte for a point. kInvalidOption: outlines that cross or touch. kLimitExceeded: outlines
-// that are wound into one another so often that it takes too long. kNumerical: so close to one
-// another that rounding spoils it. Those of `cancel`, which is asked every few milliseconds.
+// half a kilobyte for a point. kInvalidOption: outlines that cross or touch, or are so close to one
+// another that rounding spoils it. kLimitExceeded: outlines that are wound into one another so often
+// that it takes too long. Those of `cancel`, which is asked every few milliseconds.
 Result<std::vector<Outline>> SimplifyOutlines(std::span<const Outline> outlines, double tolerance,
                                               const CancelToken& cancel = {});
 

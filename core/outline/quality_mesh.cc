@@ -240,7 +240,9 @@ Result<QualityMesh> Finish(Draft draft, Complex origin, std::size_t pieces) {
         std::min(result.smallest_angle, SmallestAngle(corner(0), corner(1), corner(2)));
   }
   if (!(result.smallest_angle > 0)) {
-    return Fail(FaultKind::kNumerical, "Outlines this close to one another cannot be meshed.");
+    return Fail(
+        Fault(FaultKind::kInvalidOption, "Outlines this close to one another cannot be meshed.")
+            .Field("outlines"));
   }
   // Euler: vertices − edges + triangles = pieces − holes.
   const std::size_t edges = (3 * result.mesh.triangles.size() + draft.outline_edges.size()) / 2;
@@ -285,9 +287,10 @@ Result<QualityMesh> MeshOutlines(std::span<const Outline> outlines, std::size_t 
     if (origin == Complex(0)) return Mesh(outlines, origin, vertices, most, cancel);
     return Mesh(CountedFrom(origin, outlines), origin, vertices, most, cancel);
   } catch (const CGAL::Failure_exception&) {
-    return Fail(FaultKind::kNumerical,
-                "Outlines this close to one another, or this small for how far they are from 0, "
-                "cannot be meshed.");
+    return Fail(Fault(FaultKind::kInvalidOption,
+                      "Outlines this close to one another, or this small for how far they are from "
+                      "0, cannot be meshed.")
+                    .Field("outlines"));
   }
 }
 

@@ -18,12 +18,11 @@ namespace arap {
 // another. All points of the outlines are vertices.
 //
 // kInvalidOption: outlines that cross, touch, or have fewer than three points, by their place in
-// `outlines` where one alone is at fault. kEmptyMesh: nothing inside. kNonFiniteCoordinate.
-// kLimitExceeded: more than kMaxOutlinePoints, outlines that are wound into one another so often
-// that looking at them takes too long, or places so narrow that they need more vertices than
-// `most`. kNumerical: outlines so close to one another, or with so few of the digits of a double for
-// how far they are from 0, that rounding spoils their triangles. Those of `cancel`, which is asked
-// every few milliseconds.
+// `outlines` where one alone is at fault; or so close to one another, or with so few of the digits of
+// a double for how far they are from 0, that rounding spoils their triangles. kEmptyMesh: nothing
+// inside. kNonFiniteCoordinate. kLimitExceeded: more than kMaxOutlinePoints, outlines that are wound
+// into one another so often that looking at them takes too long, or places so narrow that they need
+// more vertices than `most`. Those of `cancel`, which is asked every few milliseconds.
 Result<QualityMesh> MeshOutlines(std::span<const Outline> outlines, std::size_t vertices,
                                  std::size_t most = kMaxMeshVertices,
                                  const CancelToken& cancel = {});

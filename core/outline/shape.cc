@@ -154,7 +154,7 @@ Result<ShapedOutlines> ShapeOutlines(std::span<const Outline> outlines,
     try {
       TRY(shaped, GrowApart(simple, options.expansion, shares, cancel));
     } catch (const ClipperLib::clipperException& error) {
-      return Fail(Fault(FaultKind::kNumerical, "The outlines cannot grow.")
+      return Fail(Fault(FaultKind::kInvalidOption, "The outlines cannot grow.")
                       .Field("expansion")
                       .Detail("cause", error.what()));
     }

@@ -34,9 +34,9 @@ struct ShapedOutlines {
 //
 // kInvalidOption: outlines that cross, touch or have fewer than three points; a tolerance or an
 // expansion that is negative, not finite or (expansion) larger than the outlines, with the field;
-// what comes to touch itself when it grows. kNonFiniteCoordinate. kLimitExceeded: too many points,
-// or outlines that are wound into one another, or cross when they grow, so often that it takes too
-// long: found out before the work. kNumerical: so close to one another that rounding spoils them.
+// what comes to touch itself when it grows; what is so close to one another that rounding spoils it.
+// kNonFiniteCoordinate. kLimitExceeded: too many points, or outlines that are wound into one another,
+// or cross when they grow, so often that it takes too long: found out before the work.
 // Those of `cancel`, which is asked all the while, but for the second or two that uniting takes at most.
 Result<ShapedOutlines> ShapeOutlines(std::span<const Outline> outlines,
                                      const OutlineOptions& options, const CancelToken& cancel = {});

@@ -120,9 +120,10 @@ Result<std::vector<Outline>> SimplifyOutlines(std::span<const Outline> outlines,
   try {
     return Simplify(outlines, tolerance, watch);
   } catch (const CGAL::Failure_exception&) {
-    return Fail(FaultKind::kNumerical,
-                "Outlines this close to one another, or this small for how far they are from 0, "
-                "cannot be simplified.");
+    return Fail(Fault(FaultKind::kInvalidOption,
+                      "Outlines this close to one another, or this small for how far they are from "
+                      "0, cannot be simplified.")
+                    .Field("outlines"));
   }
 }
 

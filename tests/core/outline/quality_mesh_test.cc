@@ -146,7 +146,8 @@ TEST(MeshOutlines, FarFromZeroItIsTheSameMesh) {
   // Where no digits are left for triangles.
   const auto lost = MeshOutlines(std::vector<Outline>{Box(1e15 - 1, 0, 1e15, 1)}, 200);
   ASSERT_FALSE(lost);
-  EXPECT_EQ(lost.error().kind, FaultKind::kNumerical);
+  EXPECT_EQ(lost.error().kind, FaultKind::kInvalidOption);
+  EXPECT_EQ(lost.error().field, "outlines");
 }
 
 TEST(MeshOutlines, WhatIsWrongIsRefused) {
