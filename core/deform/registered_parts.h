@@ -47,7 +47,7 @@ struct RegisteredMeshParts {
   Topology topology;
   std::vector<std::uint32_t> nearby;  // #F, NearbyOrder of the rest shape
   Complex origin;
-  std::vector<Complex> rest;  // #V, normalised
+  std::vector<Complex> rest;    // #V, normalised
   std::vector<VertexRun> runs;  // of topology.vertex_component
   std::vector<MeshComponent> components;
   Cells cells;
