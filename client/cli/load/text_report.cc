@@ -8,6 +8,7 @@
 
 #include "client/cli/load/metric.h"
 #include "client/cli/load/reports.h"
+#include "client/cli/report.h"
 #include "client/cli/terminal.h"
 
 namespace arap::cli {
