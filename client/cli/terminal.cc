@@ -52,7 +52,8 @@ bool IsTerminal(int descriptor) {
 
 std::string Styled(int descriptor, Look look, std::string_view text) {
   if (IsSet("NO_COLOR") || !IsSet("TERM") || !IsTerminal(descriptor)) return std::string(text);
-  constexpr std::array<int, 4> kCodes{1, 31, 33, 32};
+  // Magenta where others take yellow, which is hard to read on white.
+  constexpr std::array<int, 4> kCodes{1, 31, 35, 32};
   return fmt::format("\033[{}m{}\033[0m", kCodes[static_cast<std::size_t>(look)], text);
 }
 

@@ -14,7 +14,7 @@ inline constexpr std::size_t kLineWidth = 80;
 bool IsTerminal(int descriptor);
 
 enum class Look { kStrong, kBad, kDoubtful, kGood };
-// The text in bold, red, yellow or green, where `descriptor` is such a terminal and neither NO_COLOR nor
+// The text in bold, red, magenta or green, where `descriptor` is such a terminal and neither NO_COLOR nor
 // a TERM without colours asks for plain text.
 std::string Styled(int descriptor, Look look, std::string_view text);
 
