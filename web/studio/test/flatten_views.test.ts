@@ -1,10 +1,10 @@
 // Every view of the flatten page: what axe finds, whether it fits, and pictures to look at.
 import assert from "node:assert/strict";
-import { mkdirSync, readFileSync } from "node:fs";
-import { createRequire } from "node:module";
+import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
+import { nothingForAxe } from "./support/axe.js";
 import { obj, shell } from "./support/models.js";
 import { openPatterns } from "./support/patterns.js";
 import type { Patterns } from "./support/patterns.js";
@@ -14,7 +14,6 @@ const stack = new Stack();
 before(() => stack.start());
 after(() => stack.stop());
 
-const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const tabs = ["Model", "Seams", "Layout", "Report", "Save"];
 
 /** A click on a vertex, wherever it is. */
@@ -40,18 +39,8 @@ test("axe finds nothing on any view, light or dark, wide or narrow", async () =>
   for (const colorScheme of ["light", "dark"] as const) {
     for (const width of [390, 1280]) {
       const page = await openPatterns(stack, { colorScheme, viewport: { width, height: 844 } });
-      await page.page.evaluate(axe);
-      const look = async (where: string): Promise<void> => {
-        const found = await page.ask<
-          { id: string; nodes: { html: string; failureSummary: string }[] }[]
-        >(
-          "axe.run(document, { resultTypes: ['violations'] }).then(({ violations }) => violations)",
-        );
-        const told = found.map(
-          ({ id, nodes }) => `${id}: ${nodes[0].html} ${nodes[0].failureSummary}`,
-        );
-        assert.deepEqual(told, [], `${where}, ${colorScheme}, ${width} px`);
-      };
+      const look = (where: string): Promise<void> =>
+        nothingForAxe(page.page, `${where}, ${colorScheme}, ${width} px`);
       await look("at first");
       await work(page);
       await page.ask("shop.addPin(45), shop.change({ other: 'lscm' }, ''), shop.press(null)");

@@ -1,21 +1,19 @@
 // The load page as an operator has it, with a little load.
 import assert from "node:assert/strict";
-import { mkdirSync, readFileSync } from "node:fs";
-import { createRequire } from "node:module";
+import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { setTimeout as delay } from "node:timers/promises";
 
 import type { Page } from "playwright-core";
 
+import { nothingForAxe } from "./support/axe.js";
 import { Stack, patience } from "./support/stack.js";
 import type { Studio } from "./support/stack.js";
 
 const stack = new Stack(true);
 before(() => stack.start());
 after(() => stack.stop());
-
-const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
 async function until(
   page: Page,
@@ -163,14 +161,7 @@ test("axe finds nothing, nothing is too wide, and pictures are taken when somebo
           const file = join(shots, `load-${colorScheme}-${viewport.width}.png`);
           await page.screenshot({ path: file });
         }
-        await page.evaluate(axe);
-        const found = (await page.evaluate(
-          "axe.run(document, { resultTypes: ['violations'] }).then(({ violations }) => violations)",
-        )) as { id: string; nodes: { html: string; failureSummary: string }[] }[];
-        const said = found.map(
-          ({ id, nodes }) => `${id}: ${nodes[0].html} ${nodes[0].failureSummary}`,
-        );
-        assert.deepEqual(said, [], where);
+        await nothingForAxe(page, where);
         await page.context().close();
       }
     }

@@ -1,35 +1,24 @@
 // Every view of the page: what axe finds, whether it fits, and pictures to look at.
 import assert from "node:assert/strict";
-import { existsSync, mkdirSync, readFileSync } from "node:fs";
-import { createRequire } from "node:module";
+import { existsSync, mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
+import { nothingForAxe } from "./support/axe.js";
 import { Stack } from "./support/stack.js";
 
 const stack = new Stack();
 before(() => stack.start());
 after(() => stack.stop());
 
-const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const tabs = ["Puppet", "Pins", "Motion", "Take", "Save"];
 
 test("axe finds nothing on any view, light or dark, wide or narrow", async () => {
   for (const colorScheme of ["light", "dark"] as const) {
     for (const width of [390, 1280]) {
       const studio = await stack.open({ colorScheme, viewport: { width, height: 844 } });
-      await studio.page.evaluate(axe);
-      const look = async (where: string): Promise<void> => {
-        const found = await studio.ask<
-          { id: string; nodes: { html: string; failureSummary: string }[] }[]
-        >(
-          "axe.run(document, { resultTypes: ['violations'] }).then(({ violations }) => violations)",
-        );
-        const told = found.map(
-          ({ id, nodes }) => `${id}: ${nodes[0].html} ${nodes[0].failureSummary}`,
-        );
-        assert.deepEqual(told, [], `${where}, ${colorScheme}, ${width} px`);
-      };
+      const look = (where: string): Promise<void> =>
+        nothingForAxe(studio.page, `${where}, ${colorScheme}, ${width} px`);
       await look("at first");
       await studio.ask("studio.suggestPins(), studio.look({ chosen: 'pin-2' })");
       await studio.ask("studio.changePin('pin-2', { turns: true, firmness: 'soft' })");
