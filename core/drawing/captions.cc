@@ -131,6 +131,11 @@ std::vector<std::string> Summary(const Flattening& flat, const Pattern& pattern)
       fmt::format(
           "angles mean {:.3f}°, max {:.3f}°; ARAP energy {:.3g}; symmetric Dirichlet {:.6g}",
           d.mean_angle_degrees, d.max_angle_degrees, d.arap_energy, d.symmetric_dirichlet)};
+  int most = 0;
+  for (const FlatChart& chart : flat.charts) {
+    if (chart.refine_end == RefineEnd::kLimit) most = std::max(most, chart.refinements);
+  }
+  if (most > 0) lines.push_back(fmt::format("refined {} times, the limit: not converged", most));
   const std::size_t cuts = flat.cuts.size();
   if (flat.charts.size() > 1 || cuts > 0 || flat.overlaps) {
     lines.push_back(fmt::format("{} piece{}, {} edges cut, {} of them automatically{}",

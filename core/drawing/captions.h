@@ -28,8 +28,8 @@ Status CheckParts(std::span<const NamedPart> parts, std::size_t triangles);
 // are good (CheckParts); O(#F log of the parts).
 std::vector<std::string> PieceNames(const Flattening& flat, std::span<const NamedPart> parts);
 
-// A few lines: counts, distortion, cuts, the sizes of the pieces and of the sheet in millimetres.
-// What goes under the colours of an SVG.
+// A few lines: counts, distortion, refinements that reached their limit, cuts, the sizes of the
+// pieces and of the sheet in millimetres. What goes under the colours of an SVG.
 std::vector<std::string> Summary(const Flattening& flat, const Pattern& pattern);
 
 // "unlikely_size": pieces shorter than 5 mm or longer than 10 m, which another unit would make

@@ -44,6 +44,7 @@ void Assembly::Add(const Chart& chart, ChartLayout layout) {
   for (const std::uint32_t v : layout.anchors) made.anchors.push_back(chart.vertices[v]);
   made.triangles = chart.triangles.size();
   made.refinements = layout.refinements;
+  made.refine_end = layout.refine_end;
   clamped_ += layout.clamped;
   flat_.times.order += layout.factor_times.analysis;
   flat_.times.factor += layout.factor_times.numbers;

@@ -23,6 +23,9 @@ namespace {
 constexpr double kRoughly = 1e-2;
 constexpr double kExactly = 1e-5;
 
+// One flip in so many triangles is soon mended by refining; more are a fold.
+constexpr std::size_t kFew = 1000;
+
 bool AllFinite(const std::vector<Complex>& points) {
   return std::all_of(points.begin(), points.end(), IsFinite);
 }
@@ -127,7 +130,25 @@ class LayoutSteps {
     TRY(const auto system, factors_.Holding(cells_, held_));
     TRY(auto first, HeldFirstStep(*system, held_, n()));
     SetFirstStep(std::move(first));
+    if (!pins_ && options_.method == FlattenMethod::kArap && options_.refine > 0) {
+      return Unfold(*system);
+    }
     return {};
+  }
+
+  // Refining starts from the shape without anchors where they fold the surface and it has fewer
+  // flips.
+  Status Unfold(const GroundedSystem<Complex>& system) {
+    const std::size_t folded = Flips(layout_.uv);
+    if (folded * kFew <= chart_.mesh.triangles.size() || system.lifted()) return {};
+    TRY(auto loose,
+        LoosenedFirstStep(system, cells_, chart_, Anchors(), layout_.first_step, cancel_));
+    if (AllFinite(loose) && Flips(loose) < folded) layout_.uv = std::move(loose);
+    return {};
+  }
+
+  std::size_t Flips(const std::vector<Complex>& uv) const {
+    return NotUpright(chart_.mesh.triangles, uv, chart_.left_out).size();
   }
 
   // The first step from the factor of the anchors; false when that is not exact enough.
@@ -162,12 +183,15 @@ class LayoutSteps {
       cells_ = std::move(face.cells);
     }
     const double stop = options_.refine > 0 ? options_.refine_stop : 0;
-    TRY(const int taken, Take({steps, options_.refine > 0, stop}, true));
-    layout_.refinements = std::max(0, taken - (merged ? 1 : 0));
+    TRY(const auto refined, Take({steps, options_.refine > 0, stop}, true));
+    layout_.refinements = std::max(0, refined.taken - (merged ? 1 : 0));
+    if (options_.refine > 0) {
+      layout_.refine_end = refined.converged ? RefineEnd::kConverged : RefineEnd::kLimit;
+    }
     return {};
   }
 
-  Result<int> Take(const LocalGlobalOptions& steps, bool refining) {
+  Result<LocalGlobalResult> Take(const LocalGlobalOptions& steps, bool refining) {
     const Held none;
     const Held& held = pins_ ? held_ : none;
     // With the null space one vertex is grounded, as without pins.

@@ -17,6 +17,7 @@ struct ChartLayout {
   std::vector<Complex> first_step, uv;  // #V
   std::vector<std::uint32_t> anchors;   // of the chart; two or none
   int refinements = 0;
+  RefineEnd refine_end = RefineEnd::kNotRefined;
   std::size_t clamped = 0;   // edges whose cotangent was raised
   FactorTimes factor_times;  // of the factors made, added up
 };

@@ -35,6 +35,9 @@ class Parts {
   std::vector<bool> used_;
 };
 
+// Iterations that a descent seldom needs more of to bring less than kServiceRefineStop.
+constexpr int kUsualRefinements = 20;
+
 // Microseconds that the parts of a flattening take, for each vertex of a chart of `n` vertices.
 // Factors fill with n log n numbers; beyond the caches they cost more.
 struct VertexCost {
@@ -130,6 +133,8 @@ FlattenCost EstimateFlatten(const SurfaceSize& size, const FlattenOptions& optio
   double micros = cost.Similarity(edges && !abf) + cost.Order();
   if (spectral) micros += cost.Spectral(edges && !abf);
   int iterations = options.refine;
+  if (options.refine_stop >= kServiceRefineStop)
+    iterations = std::min(iterations, kUsualRefinements);
   if (options.method == FlattenMethod::kArap) ++iterations;
   if (iterations > 0) micros += cost.Rigid();
   // EDGE cells are refined with FACE cells, which are factored too.

@@ -180,6 +180,25 @@ void ToWire(const Distortion& distortion, v1::Distortion* out) {
   out->set_worst_triangle(distortion.worst_triangle);
 }
 
+// What a newer server may say is as if it said nothing.
+RefineEnd FromWire(v1::RefineEnd end) {
+  if (end == v1::REFINE_END_CONVERGED) return RefineEnd::kConverged;
+  if (end == v1::REFINE_END_LIMIT) return RefineEnd::kLimit;
+  return RefineEnd::kNotRefined;
+}
+
+v1::RefineEnd ToWire(RefineEnd end) {
+  switch (end) {
+    case RefineEnd::kNotRefined:
+      return v1::REFINE_END_UNSPECIFIED;
+    case RefineEnd::kConverged:
+      return v1::REFINE_END_CONVERGED;
+    case RefineEnd::kLimit:
+      return v1::REFINE_END_LIMIT;
+  }
+  return v1::REFINE_END_UNSPECIFIED;
+}
+
 FlatChart FromWire(const v1::FlatChart& chart) {
   FlatChart out;
   for (const v1::FlatLoop& loop : chart.loops()) {
@@ -190,6 +209,7 @@ FlatChart FromWire(const v1::FlatChart& chart) {
   out.distortion = FromWire(chart.distortion());
   out.crossings = chart.boundary_crossings();
   out.refinements = static_cast<int>(chart.refinements());
+  out.refine_end = FromWire(chart.refine_end());
   return out;
 }
 
@@ -202,6 +222,7 @@ void ToWire(const FlatChart& chart, v1::FlatChart* out) {
   ToWire(chart.distortion, out->mutable_distortion());
   out->set_boundary_crossings(chart.crossings);
   out->set_refinements(static_cast<std::uint32_t>(chart.refinements));
+  out->set_refine_end(ToWire(chart.refine_end));
 }
 
 Status PackSingularValues(const Flattening& flat, Array<float>* out) {

@@ -26,6 +26,7 @@ client::FlatSurface FlatTriangle() {
   flat.charts[0].loops = {{0, 1, 2}};
   flat.charts[0].triangles = 1;
   flat.charts[0].refinements = 3;
+  flat.charts[0].refine_end = RefineEnd::kLimit;
   flat.charts[0].distortion.arap_energy = 0.25;
   flat.distortion.worst_triangle = 7;
   flat.cuts = {{0, 1}, {2, 1}};
@@ -56,6 +57,7 @@ TEST(FlattenReport, HasEverythingThatIsKnown) {
   EXPECT_EQ(chart["boundaries"][0]["positions"], 3);
   EXPECT_EQ(chart["boundaries"][0]["length"], 12);
   EXPECT_EQ(chart["refinements"], 3);
+  EXPECT_EQ(chart["refine_end"], "limit");
   EXPECT_EQ(chart["size_mm"], nlohmann::json::parse("[30.0, 40.0]"));
   EXPECT_EQ(report["sheet_mm"], nlohmann::json::parse("[30.0, 40.0]"));
   EXPECT_EQ(chart["distortion"]["arap_energy"], 0.25);

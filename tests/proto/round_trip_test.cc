@@ -253,8 +253,8 @@ TEST(FlattenDefaults, AreThoseOfTheMethod) {
     request.set_method(method);
     EXPECT_EQ(FromWire(request, kMaxRefine), preset) << v1::FlattenMethod_Name(method);
   }
-  EXPECT_EQ(ArapOptions().refine, 20);
-  EXPECT_EQ(ArapOptions().refine_stop, 1e-6);
+  EXPECT_EQ(ArapOptions().refine, kMaxFlattenRefine) << "until they have converged";
+  EXPECT_EQ(ArapOptions().refine_stop, 3e-5);
   EXPECT_EQ(LscmOptions().refine, 0);
 }
 
@@ -271,6 +271,7 @@ TEST(RoundTrip, Flattenings) {
   chart.distortion.arap_energy = 0.5;
   chart.crossings = 2;
   chart.refinements = 3;
+  chart.refine_end = RefineEnd::kConverged;
   flat.charts = {chart};
   flat.first_step = {{0, 0}, {2, 0}, {0, 2}};
   flat.singular_values = {{1, -0.5}};
@@ -291,6 +292,22 @@ TEST(RoundTrip, Flattenings) {
     EXPECT_EQ(FromWire(response), flat);
     response.add_cut_edges(1);
     EXPECT_EQ(FromWire(response).error().kind, FaultKind::kInternal);
+  }
+}
+
+TEST(RoundTrip, EndsOfRefinements) {
+  Flattening flat;
+  flat.uv = {{0, 0}};
+  flat.source = {0};
+  for (const auto end : {RefineEnd::kNotRefined, RefineEnd::kConverged, RefineEnd::kLimit}) {
+    flat.charts.resize(1);
+    flat.charts[0].refine_end = end;
+    v1::FlattenResponse response;
+    ASSERT_TRUE(ToWire(flat, {}, &response));
+    EXPECT_EQ(FromWire(response)->charts[0].refine_end, end);
+    // What a newer server may say.
+    response.mutable_charts(0)->set_refine_end(static_cast<v1::RefineEnd>(77));
+    EXPECT_EQ(FromWire(response)->charts[0].refine_end, RefineEnd::kNotRefined);
   }
 }
 

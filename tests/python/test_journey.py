@@ -101,6 +101,7 @@ def test_a_surface_is_laid_flat(client, session):
     np.testing.assert_allclose(flat.singular_values, 1, atol=1e-2)
     assert len(flat.charts) == 1 and flat.charts[0].triangle_count == 128
     assert len(flat.charts[0].loops[0]) == 32
+    assert flat.charts[0].refine_end == "converged"
     # The same as a job.
     assert session.submit_flatten("job", vertices, triangles, options).id == "job"
     states = [job.state for job in session.watch_job("job")]

@@ -173,12 +173,13 @@ void AddMethodFlags(CLI::App& command, MethodFlags& flags) {
        {"spectral", FlattenAnchors::kSpectral}},
       "what fixes the first step; default center-edge, spectral for lscm and abf");
   command
-      .add_option("--refine", flags.refine,
-                  "local/global iterations afterwards; default 20 for arap methods, else 0")
+      .add_option(
+          "--refine", flags.refine,
+          "at most so many iterations afterwards; default until converged for arap methods, else 0")
       ->option_text("N");
   command
       .add_option("--refine-stop", flags.refine_stop,
-                  "end them when one lowers the energy by less than this part; default 1e-6")
+                  "converged: two iterations lower the energy by less than this part; default 3e-5")
       ->check(Between(0, 1))
       ->option_text("X");
   command.add_flag("--injective", flags.injective, "no flipped triangle, or a failure");

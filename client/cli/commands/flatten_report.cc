@@ -43,15 +43,30 @@ double LoopLength(const std::vector<std::uint32_t>& loop, const std::vector<Comp
 
 Json SizeJson(const Bounds& box) { return {box.width(), box.height()}; }
 
+Json EndJson(RefineEnd end) {
+  switch (end) {
+    case RefineEnd::kNotRefined:
+      return nullptr;
+    case RefineEnd::kConverged:
+      return "converged";
+    case RefineEnd::kLimit:
+      return "limit";
+  }
+  return nullptr;
+}
+
 Json ChartJson(const FlatChart& chart, const Flattening& flat) {
   Json boundaries = Json::array();
   for (const auto& loop : chart.loops) {
     boundaries.push_back({{"positions", loop.size()}, {"length", LoopLength(loop, flat.uv)}});
   }
-  return {
-      {"triangles", chart.triangles},          {"boundaries", boundaries},
-      {"boundary_crossings", chart.crossings}, {"anchors", chart.anchors},
-      {"refinements", chart.refinements},      {"distortion", DistortionJson(chart.distortion)}};
+  return {{"triangles", chart.triangles},
+          {"boundaries", boundaries},
+          {"boundary_crossings", chart.crossings},
+          {"anchors", chart.anchors},
+          {"refinements", chart.refinements},
+          {"refine_end", EndJson(chart.refine_end)},
+          {"distortion", DistortionJson(chart.distortion)}};
 }
 
 }  // namespace

@@ -120,7 +120,7 @@ class FlattenOptions:
     energy: Energy = Energy()
     anchors: str | None = None  # "center_edge", "far_boundary" or "spectral"
     refine: int | None = None  # at most so many iterations
-    refine_stop: float | None = None  # they end when one lowers the energy by less than this part
+    refine_stop: float | None = None  # they end when two lower the energy by less than this part
     injective: bool = False  # no flipped triangle, or NOT_INJECTIVE
     seams: Any = None  # k×2 vertices: edges to cut
     auto_cut: bool = False  # cut whatever is no disk

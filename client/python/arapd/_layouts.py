@@ -16,6 +16,8 @@ from .faults import refuse
 
 _STATES = {number: name.removeprefix("JOB_STATE_").lower()
            for name, number in _wire.enum_names("JobState").items() if number}
+_REFINE_ENDS = {number: name.removeprefix("REFINE_END_").lower()
+                for name, number in _wire.enum_names("RefineEnd").items() if number}
 _DISTORTION = [field.name for field in dataclasses.fields(model.Distortion)]
 
 
@@ -34,7 +36,7 @@ def _chart(message: Any, positions: int, triangles: int) -> model.Chart:
               for loop in message.loops),
         check.indices(message.anchors, positions, "the flat position"), message.triangle_count,
         _distortion(message.distortion, triangles), message.boundary_crossings,
-        message.refinements)
+        message.refinements, _REFINE_ENDS.get(message.refine_end))
 
 
 def _drawing(message: Any) -> model.Drawing:

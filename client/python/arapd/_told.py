@@ -198,6 +198,7 @@ class Chart:
     distortion: Distortion
     boundary_crossings: int
     refinements: int
+    refine_end: str | None  # "converged" or "limit"; None where none were asked for
 
 
 @dataclasses.dataclass(frozen=True, slots=True, eq=False)

@@ -19,6 +19,9 @@ constexpr double kShift = 1e-10;
 constexpr int kMaxSpectralSteps = 60;
 // The boundary (of norm 1) has settled when a step changes it by no more.
 constexpr double kFinest = 1e-10, kRoughest = 1e-3;
+// The same where it is only the start of a descent.
+constexpr double kLoose = 0.02;
+constexpr int kMaxLooseSteps = 6;
 
 // The surface seen along its mean normal, so that it lies upright: a start with the right
 // orientation.
@@ -82,6 +85,17 @@ double FlatArea(const Chart& chart, const std::vector<Complex>& x) {
     area += 0.5 * TwiceArea(t, x);
   }
   return area;
+}
+
+// Scales x to the true area and lays the edge `anchors` along the real axis, its first end at 0.
+// Its direction may be lost in a fold; any will do then.
+void LayAlong(const Chart& chart, const std::array<std::uint32_t, 2>& anchors,
+              std::vector<Complex>& x) {
+  const Complex origin = x[anchors[0]], along = x[anchors[1]] - origin;
+  const double scale = std::sqrt(Area(chart) / std::abs(FlatArea(chart, x)));
+  const double length = std::abs(along);
+  const Complex turn = length > 0 ? std::conj(along) / length : Complex(1);
+  for (Complex& p : x) p = scale * (turn * (p - origin));
 }
 
 // Pins solved for together: few enough to keep memory small and to be cancelled between.
@@ -297,14 +311,42 @@ Result<std::vector<Complex>> SpectralFirstStep(const GroundedSystem<Complex>& sy
     energy = Dot(x, asked).real();  // xᴴ M x
   }
 
-  // True area, the centre edge along the real axis. Its direction may be lost in a fold; any will
-  // do then.
-  const Complex origin = x[anchors[0]], along = x[anchors[1]] - origin;
-  const double flat = std::abs(FlatArea(chart, x));
-  const double scale = std::sqrt(Area(chart) / flat);
-  const double length = std::abs(along);
-  const Complex turn = length > 0 ? std::conj(along) / length : Complex(1);
-  for (Complex& p : x) p = scale * (turn * (p - origin));
+  LayAlong(chart, anchors, x);
+  return x;
+}
+
+Result<std::vector<Complex>> LoosenedFirstStep(const GroundedSystem<Complex>& system,
+                                               const Cells& cells, const Chart& chart,
+                                               const std::array<std::uint32_t, 2>& anchors,
+                                               std::vector<Complex> x, const CancelToken& cancel) {
+  const std::size_t n = chart.mesh.vertices.size();
+  const std::vector<std::uint32_t> boundary = Boundary(chart);
+  std::vector<Complex> direction = x, right(n), spread(n), last;
+  const Complex origin = x[anchors[0]], unit = x[anchors[1]] - origin;
+  for (Complex& p : direction) p = (p - origin) / unit;
+  const double energy = SimilarityForceAt(cells, direction).energy;
+  if (!(energy > 0)) return x;  // developable: there is nothing better
+  Workspace workspace;
+  for (int step = 0;; ++step) {
+    if (Normalise(boundary, x, spread) == 0) {
+      return Fail(FaultKind::kNumerical, "The boundary of the first step has no spread.");
+    }
+    if (step > 0) {
+      const Complex common = Dot(last, spread);
+      double change = 0;
+      for (const std::uint32_t v : boundary) change += std::norm(spread[v] - common * last[v]);
+      if (change < kLoose * kLoose || step == kMaxLooseSteps) break;
+    }
+    CHECK_OK(cancel.Check());
+    last = spread;
+    // H x = spread: what the grounded solve leaves at its vertices the direction takes up.
+    const Complex share = Dot(direction, spread) / energy;
+    right = spread;
+    std::fill(x.begin(), x.end(), Complex(0));
+    CHECK_OK(system.Solve(right, 1, x, workspace));
+    for (std::size_t v = 0; v < n; ++v) x[v] += share * direction[v];
+  }
+  LayAlong(chart, anchors, x);
   return x;
 }
 

@@ -42,6 +42,15 @@ Result<std::vector<Complex>> SpectralFirstStep(const GroundedSystem<Complex>& sy
                                                const std::array<std::uint32_t, 2>& anchors,
                                                double accuracy, const CancelToken& cancel);
 
+// Roughly the same shape from the factor that holds the two vertices `ground`, for which `held` is
+// the first step: a few back-substitutions. Where two vertices hold a curved surface too loosely,
+// that step folds, and this is the better start for what follows. Faults: kNumerical, of `cancel`.
+Result<std::vector<Complex>> LoosenedFirstStep(const GroundedSystem<Complex>& system,
+                                               const Cells& cells, const Chart& chart,
+                                               const std::array<std::uint32_t, 2>& ground,
+                                               std::vector<Complex> held,
+                                               const CancelToken& cancel);
+
 // The first step with pins on the factor of two other vertices: the null-space form
 // [algorithm §2], for surfaces.
 //

@@ -1,6 +1,7 @@
 #include "core/flatten/layout/local_global.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <Eigen/Dense>
@@ -8,170 +9,191 @@
 #include "core/base/try.h"
 #include "core/energy/assemble.h"
 #include "core/energy/local_step.h"
+#include "core/energy/rigid_descent.h"
 #include "core/sparse/saddle.h"
 
 namespace arap {
 namespace {
 
-constexpr std::size_t kAndersonWindow = 5;
-// Keeps the small system solvable when steps are nearly parallel.
-constexpr double kRidge = 1e-12;
+// The longest step, in those that the majorizer along the direction would take.
+constexpr double kLongestStep = 100;
+// Iterations in a row that have to bring little.
+constexpr int kPatience = 2;
 
-Eigen::Map<const Eigen::VectorXd> View(const std::vector<double>& values) {
-  return {values.data(), static_cast<Eigen::Index>(values.size())};
+// Points are x…, y….
+ConstShapeView View(const std::vector<double>& point) {
+  return {point.data(), point.data() + point.size() / 2};
+}
+ShapeView View(std::vector<double>& point) {
+  return {point.data(), point.data() + point.size() / 2};
 }
 
-// For x → G(x): the combination of the last points with the least residual G(x) − x
-// [Anderson 1965; for local/global solvers Peng et al. 2018]. Deterministic. Allocates at
-// construction only.
-class Anderson {
+Result<LocalGlobalResult> Plain(const Cells& cells, const RigidSolver& solver, int iterations,
+                                const CancelToken& cancel, std::vector<double>& point) {
+  std::vector<double> image, right(point.size());
+  const std::vector<Complex> mean{0};
+  Workspace workspace;
+  for (int taken = 0; taken < iterations; ++taken) {
+    CHECK_OK(cancel.Check());
+    std::fill(right.begin(), right.end(), 0.0);
+    AddRotatedEdges(cells, View(std::as_const(point)), mean, View(right));
+    image = point;
+    CHECK_OK(solver.Solve(right, {}, image, workspace));
+    point.swap(image);
+  }
+  return LocalGlobalResult{iterations, false};
+}
+
+// Conjugate gradients on the rigid energy with the rigid matrix L for an inner product.
+class Descent {
  public:
-  Anderson(std::size_t size, std::size_t window);
+  Descent(const Cells& cells, const Held& held, const RigidSolver& solver,
+          std::vector<double>& point)
+      : held_(held),
+        solver_(solver),
+        energy_of_(cells),
+        point_(point),
+        pull_(point.size()),
+        next_(point.size()),
+        next_pull_(point.size()),
+        plain_(point.size()),
+        along_(point.size()),
+        along_force_(point.size()),
+        right_(point.size()) {}
 
-  // From a point and its image (both `size` long) to the next point, which lands in `next`.
-  void Next(std::span<const double> x, std::span<const double> image, std::span<double> next);
-
-  // Forgets the points so far.
-  void Restart() { count_ = 0; }
+  Result<LocalGlobalResult> Run(const LocalGlobalOptions& options, const CancelToken& cancel) {
+    double energy = Pull(point_, pull_);
+    LocalGlobalResult result;
+    for (int little = 0; result.taken < options.iterations;) {
+      CHECK_OK(cancel.Check());
+      CHECK_OK(FindDirection());
+      if (!(plain_slope_ > 0)) {  // no force is left
+        result.converged = true;
+        break;
+      }
+      ++result.taken;
+      const double before = energy;
+      if (!Advance(energy)) {
+        result.converged = true;
+        break;
+      }
+      const bool brought = before - energy > options.stop * before;
+      little = brought ? 0 : little + 1;
+      if (options.stop > 0 && little >= kPatience) {
+        result.converged = true;
+        break;
+      }
+    }
+    return result;
+  }
 
  private:
-  std::size_t size_, window_;
-  std::size_t count_ = 0;  // points since the start
-  std::vector<double> last_image_, last_residual_;
-  std::vector<std::vector<double>> image_steps_, residual_steps_;  // ring of `window`
-};
-
-Anderson::Anderson(std::size_t size, std::size_t window)
-    : size_(size),
-      window_(window),
-      last_image_(size),
-      last_residual_(size),
-      image_steps_(window, std::vector<double>(size)),
-      residual_steps_(window, std::vector<double>(size)) {}
-
-void Anderson::Next(std::span<const double> x, std::span<const double> image,
-                    std::span<double> next) {
-  if (count_ > 0) {
-    const std::size_t slot = (count_ - 1) % window_;
-    for (std::size_t i = 0; i < size_; ++i) {
-      image_steps_[slot][i] = image[i] - last_image_[i];
-      residual_steps_[slot][i] = (image[i] - x[i]) - last_residual_[i];
-    }
-  }
-  for (std::size_t i = 0; i < size_; ++i) {
-    last_image_[i] = image[i];
-    last_residual_[i] = image[i] - x[i];
-    next[i] = image[i];
-  }
-  const auto m = static_cast<Eigen::Index>(std::min(count_, window_));
-  ++count_;
-  if (m == 0) return;
-  Eigen::MatrixXd gram(m, m);
-  Eigen::VectorXd right(m);
-  for (Eigen::Index i = 0; i < m; ++i) {
-    const auto row = View(residual_steps_[static_cast<std::size_t>(i)]);
-    right[i] = row.dot(View(last_residual_));
-    for (Eigen::Index j = 0; j <= i; ++j) {
-      gram(i, j) = gram(j, i) = row.dot(View(residual_steps_[static_cast<std::size_t>(j)]));
-    }
-  }
-  gram.diagonal().array() += kRidge * gram.trace();
-  const Eigen::VectorXd theta = gram.ldlt().solve(right);
-  if (!theta.allFinite()) return;
-  for (Eigen::Index k = 0; k < m; ++k) {
-    const std::vector<double>& step = image_steps_[static_cast<std::size_t>(k)];
-    for (std::size_t i = 0; i < size_; ++i) next[i] -= theta[k] * step[i];
-  }
-}
-
-// One chart's rigid step, ready to be repeated. Points are x…, y….
-class Step {
- public:
-  Step(const Cells& cells, const Held& held, const RigidSolver& solver, std::size_t vertices)
-      : cells_(cells), held_(held), solver_(solver), n_(vertices), right_(2 * n_) {}
-
-  // image := the best positions for the rotations of `point`.
-  Status Take(const std::vector<double>& point, std::vector<double>& image) {
-    std::fill(right_.begin(), right_.end(), 0.0);
-    AddRotatedEdges(cells_, {point.data(), point.data() + n_}, mean_,
-                    {right_.data(), right_.data() + n_});
-    image = point;
-    return solver_.Solve(right_, image, workspace_);
-  }
-
-  // With the rotations that fit `point` best, soft pins included.
-  double Energy(const std::vector<double>& point) const {
-    double energy = RigidEnergy(cells_, {point.data(), point.data() + n_});
+  // The energy of `point`, soft pins included; `pull` becomes half of its downhill gradient.
+  double Pull(const std::vector<double>& point, std::vector<double>& pull) {
+    const std::size_t n = point.size() / 2;
+    double energy = energy_of_.Pull(View(point), View(pull), n);
     for (const HeldVertex& h : held_.vertices) {
-      energy += h.weight * std::norm(Complex(point[h.vertex], point[n_ + h.vertex]) - h.uv);
+      if (h.weight == 0) continue;
+      const double x = h.uv.real() - point[h.vertex], y = h.uv.imag() - point[n + h.vertex];
+      energy += h.weight * (x * x + y * y);
+      pull[h.vertex] += h.weight * x;
+      pull[n + h.vertex] += h.weight * y;
     }
     return energy;
   }
 
- private:
-  const Cells& cells_;
+  // plain_ := the plain step; along_ := the direction made of it and the last one.
+  Status FindDirection() {
+    // The pins' share of the force is the solver's to add.
+    right_ = pull_;
+    const std::size_t n = point_.size() / 2;
+    for (const HeldVertex& h : held_.vertices) {
+      if (h.weight == 0) continue;
+      right_[h.vertex] -= h.weight * (h.uv.real() - point_[h.vertex]);
+      right_[n + h.vertex] -= h.weight * (h.uv.imag() - point_[n + h.vertex]);
+    }
+    std::fill(plain_.begin(), plain_.end(), 0.0);
+    CHECK_OK(solver_.Solve(right_, point_, plain_, workspace_));
+    const double last_slope = slope_;
+    double turned = 0, kept = 0;
+    plain_slope_ = 0;
+    for (std::size_t i = 0; i < plain_.size(); ++i) {
+      plain_slope_ += plain_[i] * pull_[i];
+      turned += plain_[i] * (pull_[i] - next_pull_[i]);  // next_pull_ has the last pull
+      kept += along_[i] * pull_[i];
+    }
+    // The hybrid of Hestenes–Stiefel and Dai–Yuan.
+    const double change = last_slope - kept;
+    double share = 0;
+    if (!fresh_ && change > 0) {
+      share = std::max(0.0, std::min(turned, plain_slope_) / change);
+    }
+    slope_ = plain_slope_ + share * kept;
+    if (!(slope_ > 0) || !std::isfinite(slope_)) share = 0, slope_ = plain_slope_;
+    stiffness_ = 0;
+    for (std::size_t i = 0; i < plain_.size(); ++i) {
+      along_[i] = plain_[i] + share * along_[i];
+      along_force_[i] = pull_[i] + share * along_force_[i];
+      stiffness_ += along_[i] * along_force_[i];
+    }
+    return {};
+  }
+
+  // A step that lowers the energy; false when there is none.
+  bool Advance(double& energy) {
+    double step = 1;
+    if (!first_) {
+      const double curvature = stiffness_ - energy_of_.Bend(View(std::as_const(along_)));
+      step = std::min(curvature > 0 ? slope_ / curvature : kLongestStep,
+                      kLongestStep * slope_ / stiffness_);
+    }
+    double after = Try(along_, step);
+    fresh_ = first_;
+    first_ = false;
+    if (!(after < energy)) {
+      after = Try(plain_, 1);
+      fresh_ = true;
+      if (!(after < energy)) return false;
+    }
+    energy = after;
+    point_.swap(next_);
+    pull_.swap(next_pull_);
+    return true;
+  }
+
+  double Try(const std::vector<double>& move, double step) {
+    for (std::size_t i = 0; i < move.size(); ++i) next_[i] = point_[i] + step * move[i];
+    return Pull(next_, next_pull_);
+  }
+
   const Held& held_;
   const RigidSolver& solver_;
-  std::size_t n_;
+  RigidDescent energy_of_;
+  std::vector<double>& point_;
+  std::vector<double> pull_, next_, next_pull_;
+  std::vector<double> plain_;                // L⁻¹ pull
+  std::vector<double> along_, along_force_;  // the direction, and L times it
   std::vector<double> right_;
-  std::vector<Complex> mean_{0};
+  double plain_slope_ = 0, slope_ = 0, stiffness_ = 0;
+  bool first_ = true;  // the second step of the paper is a plain one
+  bool fresh_ = true;  // the last direction is of no use
   Workspace workspace_;
 };
 
-bool Settled(double before, double after, double stop) {
-  return stop > 0 && before - after <= stop * before;
-}
-
-Result<int> Plain(Step& step, const LocalGlobalOptions& options, const CancelToken& cancel,
-                  std::vector<double>& point) {
-  std::vector<double> image;
-  for (int taken = 0; taken < options.iterations; ++taken) {
-    CHECK_OK(cancel.Check());
-    CHECK_OK(step.Take(point, image));
-    point.swap(image);
-  }
-  return options.iterations;
-}
-
-// A guess that does not lower the energy is dropped for the plain image of the point before, which
-// always does.
-Result<int> Accelerated(Step& step, const LocalGlobalOptions& options, const CancelToken& cancel,
-                        std::vector<double>& point) {
-  Anderson anderson(point.size(), kAndersonWindow);
-  std::vector<double> image, safe;
-  double energy = step.Energy(point);
-  int taken = 0;
-  while (taken < options.iterations) {
-    CHECK_OK(cancel.Check());
-    CHECK_OK(step.Take(point, image));
-    ++taken;
-    safe = image;
-    if (taken == options.iterations) {
-      point.swap(safe);
-      break;
-    }
-    anderson.Next(point, image, point);
-    const double before = energy;
-    energy = step.Energy(point);
-    if (!(energy < before)) {
-      point = safe;
-      energy = step.Energy(point);
-      anderson.Restart();
-      if (Settled(before, energy, options.stop)) break;
-    } else if (Settled(before, energy, options.stop)) {
-      break;
-    }
-  }
-  return taken;
+// Where a pin has to go, as seen from a shape; from 0 when there is none.
+Complex Goal(const HeldVertex& pin, std::span<const double> from) {
+  if (from.empty()) return pin.uv;
+  return pin.uv - Complex(from[pin.vertex], from[from.size() / 2 + pin.vertex]);
 }
 
 // Puts the hard pins where they have to be.
-void MeetHardPins(const Held& held, std::span<double> image) {
+void MeetHardPins(const Held& held, std::span<const double> from, std::span<double> image) {
   const std::size_t n = image.size() / 2;
   for (const HeldVertex& h : held.vertices) {
     if (h.weight > 0) continue;
-    image[h.vertex] = h.uv.real();
-    image[n + h.vertex] = h.uv.imag();
+    const Complex goal = Goal(h, from);
+    image[h.vertex] = goal.real();
+    image[n + h.vertex] = goal.imag();
   }
 }
 
@@ -180,14 +202,15 @@ class Factored : public RigidSolver {
  public:
   Factored(RigidFactor factor, Held held) : factor_(std::move(factor)), held_(std::move(held)) {}
 
-  Status Solve(std::span<double> force, std::span<double> image,
+  Status Solve(std::span<double> force, std::span<const double> from, std::span<double> image,
                Workspace& workspace) const override {
     const std::size_t n = image.size() / 2;
     for (const HeldVertex& h : held_.vertices) {
-      force[h.vertex] += h.weight * h.uv.real();
-      force[n + h.vertex] += h.weight * h.uv.imag();
+      const Complex goal = Goal(h, from);
+      force[h.vertex] += h.weight * goal.real();
+      force[n + h.vertex] += h.weight * goal.imag();
     }
-    MeetHardPins(held_, image);
+    MeetHardPins(held_, from, image);
     return factor_->Solve(force, 2, image, workspace);
   }
 
@@ -228,7 +251,7 @@ class Pinned : public RigidSolver {
     return {};
   }
 
-  Status Solve(std::span<double> force, std::span<double> image,
+  Status Solve(std::span<double> force, std::span<const double> from, std::span<double> image,
                Workspace& workspace) const override {
     const std::size_t n = image.size() / 2, k = pins_.vertices.size();
     image[ground_] = image[n + ground_] = 0;
@@ -239,8 +262,9 @@ class Pinned : public RigidSolver {
       double* x = image.data() + side * n;
       for (std::size_t i = 0; i < k; ++i) {
         const HeldVertex& pin = pins_.vertices[i];
+        const Complex goal = Goal(pin, from);
         scratch.right[static_cast<Eigen::Index>(i)] =
-            (side == 0 ? pin.uv.real() : pin.uv.imag()) - x[pin.vertex];
+            (side == 0 ? goal.real() : goal.imag()) - x[pin.vertex];
       }
       saddle_.Solve(scratch);
       for (std::size_t i = 0; i < k; ++i) {
@@ -251,7 +275,7 @@ class Pinned : public RigidSolver {
       const double shift = scratch.solution[static_cast<Eigen::Index>(k)];
       for (std::size_t v = 0; v < n; ++v) x[v] += shift;
     }
-    MeetHardPins(pins_, image);
+    MeetHardPins(pins_, from, image);
     return {};
   }
 
@@ -296,20 +320,20 @@ Result<std::unique_ptr<const RigidSolver>> PinnedRigidSolver(RigidFactor factor,
   return solver;
 }
 
-Result<int> LocalGlobal(const Cells& cells, const Held& held, const RigidSolver& solver,
-                        const LocalGlobalOptions& options, const CancelToken& cancel,
-                        std::vector<Complex>& shape) {
+Result<LocalGlobalResult> LocalGlobal(const Cells& cells, const Held& held,
+                                      const RigidSolver& solver, const LocalGlobalOptions& options,
+                                      const CancelToken& cancel, std::vector<Complex>& shape) {
   const std::size_t n = shape.size();
-  Step step(cells, held, solver, n);
   std::vector<double> point(2 * n);
   for (std::size_t v = 0; v < n; ++v) {
     point[v] = shape[v].real();
     point[n + v] = shape[v].imag();
   }
-  TRY(const int taken, options.accelerate ? Accelerated(step, options, cancel, point)
-                                          : Plain(step, options, cancel, point));
+  TRY(const auto result, options.accelerate
+                             ? Descent(cells, held, solver, point).Run(options, cancel)
+                             : Plain(cells, solver, options.iterations, cancel, point));
   for (std::size_t v = 0; v < n; ++v) shape[v] = {point[v], point[n + v]};
-  return taken;
+  return result;
 }
 
 }  // namespace arap

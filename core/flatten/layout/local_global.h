@@ -29,9 +29,10 @@ class RigidSolver {
 
   // `force` comes with the edges' share and is scratch. `image` comes with any shape and leaves
   // with the best positions; hard pins are met exactly. Where nothing is held, the grounded vertex
-  // stays. kNumerical when memory runs out.
-  virtual Status Solve(std::span<double> force, std::span<double> image,
-                       Workspace& workspace) const = 0;
+  // stays. With a shape `from`, `force` is what pulls at it, and `image` comes as 0 and leaves with
+  // the move from there. kNumerical when memory runs out.
+  virtual Status Solve(std::span<double> force, std::span<const double> from,
+                       std::span<double> image, Workspace& workspace) const = 0;
 };
 
 using RigidFactor = std::shared_ptr<const GroundedSystem<double>>;
@@ -47,17 +48,27 @@ Result<std::unique_ptr<const RigidSolver>> PinnedRigidSolver(RigidFactor factor,
 
 struct LocalGlobalOptions {
   int iterations = 1;
-  // Anderson acceleration. Only for cells whose steps descend (FACE): a step that does not is taken
-  // back.
+  // A preconditioned descent. Only for cells that measure the edges they fit (FACE).
   bool accelerate = false;
-  // Accelerated iterations end when one lowers the energy by less than this part of it; 0: never.
+  // It ends when two iterations in a row lower the energy by less than this part of it; 0: when
+  // nothing lowers it any more.
   double stop = 0;
 };
 
+struct LocalGlobalResult {
+  int taken = 0;           // iterations
+  bool converged = false;  // a descent that ended before it had to
+};
+
 // Moves `shape` (#V, units of the chart) with a solver for the same cells and held vertices.
-// Returns the iterations taken. Faults: kNumerical, and what `cancel` answers between iterations.
-Result<int> LocalGlobal(const Cells& cells, const Held& held, const RigidSolver& solver,
-                        const LocalGlobalOptions& options, const CancelToken& cancel,
-                        std::vector<Complex>& shape);
+//
+// The plain iteration is a step along −L⁻¹∇E/2 of length 1 [Liu et al. 2008]. Accelerated, the same
+// direction is made conjugate to the last one, in the inner product of L, and the step is Newton's
+// along it [Dai and Yuan 2001]; no step raises the energy: where it would, the plain one is taken,
+// which cannot. Costs two back-substitutions and two passes over the cells for each iteration.
+// Faults: kNumerical, and what `cancel` answers between iterations.
+Result<LocalGlobalResult> LocalGlobal(const Cells& cells, const Held& held,
+                                      const RigidSolver& solver, const LocalGlobalOptions& options,
+                                      const CancelToken& cancel, std::vector<Complex>& shape);
 
 }  // namespace arap

@@ -12,6 +12,7 @@ namespace arap {
 namespace {
 
 using testing::_;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
@@ -171,6 +172,19 @@ TEST(Summary, TellsOfCutsOverlapsAndSizes) {
   flat.cuts.clear();
   flat.overlaps = false;
   EXPECT_EQ(lines().size(), 5u);
+}
+
+TEST(Summary, TellsOfRefinementsThatReachedTheirLimit) {
+  Flattening flat = FlatTriangle();
+  const auto lines = [&] {
+    return Summary(flat, *PatternFor(InCentimetres(DrawingFormat::kSvg), flat, {}, {}));
+  };
+  const auto told = Contains("refined 7 times, the limit: not converged");
+  flat.charts[0].refinements = 7;
+  flat.charts[0].refine_end = RefineEnd::kConverged;
+  EXPECT_THAT(lines(), Not(told));
+  flat.charts[0].refine_end = RefineEnd::kLimit;
+  EXPECT_THAT(lines(), told);
 }
 
 TEST(SizeWarnings, UnlikelySizesNameTheUnit) {

@@ -95,7 +95,7 @@ TEST(FlattenCostTest, GrowsWithWhatIsAsked) {
     change(options);
     return EstimateFlatten(large, options).milliseconds > plain.milliseconds;
   };
-  EXPECT_TRUE(costs_more([](FlattenOptions& o) { o.refine = 1000; }));
+  EXPECT_TRUE(costs_more([](FlattenOptions& o) { o.refine_stop = 0; }));
   EXPECT_TRUE(costs_more([](FlattenOptions& o) { o.energy.basis = Basis::kEdge; }));
   EXPECT_TRUE(costs_more([](FlattenOptions& o) { o.anchors = FlattenAnchors::kSpectral; }));
   EXPECT_TRUE(costs_more([](FlattenOptions& o) { o.injective = true; }));

@@ -34,13 +34,13 @@ v1::FlattenRequest With(v1::FlattenMethod method, v1::Basis basis, v1::EdgeWeigh
   return request;
 }
 
-TEST_F(FlattenOptionTest, DefaultsAreFaceCellsAndTwentyRefinements) {
+TEST_F(FlattenOptionTest, DefaultsAreFaceCellsRefinedUntilTheyHaveConverged) {
   const auto plain = UvOf(RequestFor(Cap()));
   v1::FlattenRequest spelled =
       With(v1::FLATTEN_METHOD_ARAP_FACE, v1::BASIS_FACE, v1::EDGE_WEIGHTS_COTANGENT);
   spelled.set_anchors(v1::FLATTEN_ANCHORS_CENTER_EDGE);
-  spelled.set_refine(20);
-  spelled.set_refine_stop(1e-6);
+  spelled.set_refine(1000);
+  spelled.set_refine_stop(3e-5);
   EXPECT_EQ(plain, UvOf(spelled));
   spelled.set_refine(0);
   EXPECT_NE(plain, UvOf(spelled)) << "0 is not the default";
@@ -92,6 +92,11 @@ TEST_F(FlattenOptionTest, RefinementStopsWhereItIsTold) {
   const v1::FlattenResponse late = Flat(request);
   EXPECT_LT(early.charts(0).refinements(), late.charts(0).refinements());
   EXPECT_LT(late.charts(0).refinements(), 200u);
+  EXPECT_EQ(late.charts(0).refine_end(), v1::REFINE_END_CONVERGED);
+  request.set_refine(1);
+  EXPECT_EQ(Flat(request).charts(0).refine_end(), v1::REFINE_END_LIMIT);
+  request.set_refine(0);
+  EXPECT_EQ(Flat(request).charts(0).refine_end(), v1::REFINE_END_UNSPECIFIED);
   EXPECT_LT(late.distortion().arap_energy(), early.distortion().arap_energy());
 }
 

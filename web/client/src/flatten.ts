@@ -23,6 +23,7 @@ import { FlattenMethod } from "./gen/arap/v1/FlattenMethod.js";
 import type { FlattenMethodAnswer } from "./gen/arap/v1/FlattenMethod.js";
 import type { FlattenRequest } from "./gen/arap/v1/FlattenRequest.js";
 import type { FlattenResponseAnswer } from "./gen/arap/v1/FlattenResponse.js";
+import type { RefineEndAnswer } from "./gen/arap/v1/RefineEnd.js";
 import { energyToWire, meshToWire, repairToWire, warningsOf } from "./mesh.js";
 import type { EnergyOptions, RepairOptions, SurfaceMesh, Warning } from "./mesh.js";
 import { float32Run, float64Run, uint32Run } from "./runs.js";
@@ -52,9 +53,9 @@ export interface FlattenOptions {
   method?: Names<FlattenMethodAnswer, "FLATTEN_METHOD_">;
   energy?: EnergyOptions;
   anchors?: Names<FlattenAnchorsAnswer, "FLATTEN_ANCHORS_">;
-  /** Local/global iterations at most. Default 20 for the ARAP methods, else 0. */
+  /** Local/global iterations at most. Default for the ARAP methods: until converged, else 0. */
   refine?: number;
-  /** Part of the energy below which an iteration is the last. Default 1e-6. */
+  /** Converged: two iterations in a row lower the energy by less than this part. Default 3e-5. */
   refineStop?: number;
   /** No flipped triangle, or NOT_INJECTIVE. */
   injective?: boolean;
@@ -98,6 +99,9 @@ export interface Distortion {
   worstTriangle: number;
 }
 
+/** "converged": another iteration would bring less than refineStop; "limit": of `refine`. */
+export type RefineEnd = Names<RefineEndAnswer, "REFINE_END_">;
+
 /** A connected piece of the layout. Indices are flat positions. */
 export interface FlatChart {
   /** Boundaries in order, the longest first. */
@@ -106,7 +110,10 @@ export interface FlatChart {
   triangleCount: number;
   distortion: Distortion;
   boundaryCrossings: number;
+  /** Local/global iterations that were taken. */
   refinements: number;
+  /** How they ended; null where none were asked for, and from servers that do not say. */
+  refineEnd: RefineEnd | null;
 }
 
 /**
@@ -189,6 +196,12 @@ function distortionOf(answer: DistortionAnswer | null, triangles: number): Disto
   return distortion;
 }
 
+// What a newer server may say is as if it said nothing.
+const refineEnds: Readonly<Record<string, RefineEnd>> = {
+  REFINE_END_CONVERGED: "converged",
+  REFINE_END_LIMIT: "limit",
+};
+
 function chartOf(chart: FlatChartAnswer, positions: number, triangles: number): FlatChart {
   const loops = chart.loops.map((loop) => runOf(loop.uvIndices, uint32Run, "a boundary"));
   const anchors = runOf(chart.anchors, uint32Run, "anchors");
@@ -200,7 +213,8 @@ function chartOf(chart: FlatChartAnswer, positions: number, triangles: number): 
   }
   const { triangleCount, boundaryCrossings, refinements } = chart;
   const distortion = distortionOf(chart.distortion, triangles);
-  return { loops, anchors, triangleCount, distortion, boundaryCrossings, refinements };
+  const refineEnd = refineEnds[chart.refineEnd] ?? null;
+  return { loops, anchors, triangleCount, distortion, boundaryCrossings, refinements, refineEnd };
 }
 
 // Each corner of the layout is a copy of the vertex that it has in the mesh, or of the one that

@@ -14,6 +14,7 @@ export type {
   FlatSurface,
   FlattenOptions,
   GrainLine,
+  RefineEnd,
   UvPin,
 } from "./flatten.js";
 export type {

@@ -290,6 +290,7 @@ test("a download goes on where it was lost", { timeout }, async () => {
       .attachSession("s")
       .getResult("job", mesh, {}, { retryWithin: 60_000 });
     assert.deepEqual(Array.from(flat.uv), [0, 0, 1, 0, 0, 1]);
+    assert.equal(flat.charts[0]!.refineEnd, null);
     assert.ok(
       offsets.length >= 2 && offsets.every((offset, i) => i === 0 || offset >= offsets[i - 1]!),
     );

@@ -253,6 +253,7 @@ test("a curved sheet is laid flat, at once and as a job", { timeout }, () =>
     assert.ok(Math.abs(Math.max(...us) - Math.min(...us) - 10 * Math.PI) < 0.01);
     assert.ok(flat.distortion.maxStretchPercent < 0.01);
     assert.equal(flat.charts.length, 1);
+    assert.equal(flat.charts[0]!.refineEnd, "converged");
     assert.equal(flat.singularValues.length, 2 * 256);
 
     const session = await client.createSession();

@@ -182,6 +182,7 @@ test("a layout in every format", { timeout }, () =>
       layout.charts[0].loops,
       expected.charts[0]!.loops.map((loop) => Array.from(loop)),
     );
+    assert.equal(layout.charts[0].refineEnd, expected.charts[0]!.refineEnd);
     const [{ format, mediaType, files }] = layout.drawings;
     assert.deepEqual([format, mediaType, files[0].page], ["svg", "image/svg+xml", "cover"]);
     assert.match(Buffer.from(files[1].data, "base64").toString(), /^<\?xml|^<svg/);

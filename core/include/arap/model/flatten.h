@@ -77,9 +77,9 @@ struct FlattenOptions {
   // FACE or EDGE cells, rigidity per input triangle. kAbf takes FACE cells with cotangents only.
   EnergyOptions energy{Basis::kFace, Weights::kCotangent, {}};
   FlattenAnchors anchors = FlattenAnchors::kCentreEdge;
-  // At most so many local/global iterations with FACE cells and cotangent weights, which descend
-  // the energy that is reported, 0 to kMaxFlattenRefine; they end when one lowers it by less than
-  // the part `refine_stop` of it, 0 to 1.
+  // At most so many accelerated local/global iterations with FACE cells and cotangent weights, which
+  // descend the energy that is reported, 0 to kMaxFlattenRefine; they end when two in a row lower it
+  // by less than the part `refine_stop` of it each, 0 to 1. At 0 they end when nothing lowers it.
   int refine = 0;
   double refine_stop = 0;
   bool injective = false;  // no flipped triangle, or kNotInjective
@@ -91,10 +91,11 @@ struct FlattenOptions {
 };
 
 // What the service computes unless a request says otherwise: FlattenOptions that are written out in
-// full, to be changed where something else is wanted. The ARAP energy is refined; the others are
-// the first step alone, and where nothing mends what anchors do to size and flips, there are none.
-inline constexpr int kServiceRefine = 20;
-inline constexpr double kServiceRefineStop = 1e-6;
+// full, to be changed where something else is wanted. The ARAP energy is refined until it has
+// converged; the others are the first step alone, and where nothing mends what anchors do to size
+// and flips, there are none.
+inline constexpr int kServiceRefine = kMaxFlattenRefine;
+inline constexpr double kServiceRefineStop = 3e-5;
 
 // Both steps. Basis::kFace, or a kEdge… for the paper's.
 inline FlattenOptions ArapOptions(Basis basis = Basis::kFace) {
@@ -150,6 +151,13 @@ struct Distortion {
 // Crossings of a chart's boundary are counted up to this.
 inline constexpr std::size_t kMaxReportedCrossings = 1000;
 
+// How the refinements of a chart ended.
+enum class RefineEnd {
+  kNotRefined,  // nothing was asked for
+  kConverged,   // another one would bring next to nothing
+  kLimit,       // so many were asked for at most
+};
+
 // One connected piece of the layout. Indices are flat positions, below #U.
 struct FlatChart {
   std::vector<std::vector<std::uint32_t>> loops;  // ordered boundaries, the longest first
@@ -159,6 +167,7 @@ struct FlatChart {
   // Pairs of boundary segments that cross, at most kMaxReportedCrossings.
   std::size_t crossings = 0;
   int refinements = 0;  // iterations taken
+  RefineEnd refine_end = RefineEnd::kNotRefined;
 
   bool operator==(const FlatChart&) const = default;
 };

@@ -30,9 +30,11 @@ const options = {
   method: optional(oneOf(["arap_edge", "arap_face", "lscm", "first_step", "abf"])),
   energy: optional(Energy),
   anchors: optional(oneOf(["center_edge", "far_boundary", "spectral"])),
-  refine: optional(index("Local/global iterations at most.")),
+  refine: optional(index("Local/global iterations at most. Default: until they converge.")),
   refineStop: optional(
-    Type.Number({ description: "Part of the energy below which an iteration is the last." }),
+    Type.Number({
+      description: "Part of the energy below which two iterations in a row are the last.",
+    }),
   ),
   injective: flag("No flipped triangle, or NOT_INJECTIVE."),
   seamEdges: optional(indices("Edges to cut, vertex pairs a b a b….")),
@@ -113,6 +115,9 @@ export const Layout = Type.Object(
         distortion: Distortion,
         boundaryCrossings: count,
         refinements: count,
+        refineEnd: Type.Union([oneOf(["converged", "limit"]), Type.Null()], {
+          description: "How they ended; null where none were asked for.",
+        }),
       }),
     ),
     triangleChart: indices("Length #F."),
