@@ -117,20 +117,20 @@ std::optional<system_clock::time_point> DeadlineOf(const CallOptions& call, mill
   return system_clock::now() + left;
 }
 
+void Attempt::Prepare(grpc::ClientContext& context) const {
+  headers.AddTo(context);
+  if (deadline) context.set_deadline(*deadline);
+}
+
 Status MakeCall(const Method& method, const CallOptions& call, const std::string& session_id,
-                const std::function<grpc::Status(grpc::ClientContext&)>& attempt,
-                const bool* heard) {
+                const std::function<grpc::Status(const Attempt&)>& attempt, const bool* heard) {
   const auto deadline = DeadlineOf(call, method.limit);
   const CallHeaders headers(session_id, call.traceparent);
   Backoff backoff;
   std::optional<steady_clock::time_point> give_up;  // from the first failure on, or the last piece
   bool in_doubt = false;                            // an attempt may have been carried out
   for (;;) {
-    grpc::ClientContext context;
-    headers.AddTo(context);
-    if (deadline) context.set_deadline(*deadline);
-    const std::stop_callback cancel(call.stop, [&context] { context.TryCancel(); });
-    const grpc::Status status = attempt(context);
+    const grpc::Status status = attempt({headers, deadline, call.stop});
     if (status.ok()) return {};
     Fault fault = convert::FaultOf(status);
     if (in_doubt && method.repeat == Repeat::kRemoval && fault.kind == FaultKind::kNotFound) {
@@ -149,34 +149,6 @@ Status MakeCall(const Method& method, const CallOptions& call, const std::string
       return Fail(std::move(fault));
     }
   }
-}
-
-Impatience::Impatience(grpc::ClientContext& context, std::chrono::milliseconds limit)
-    : limit_(limit), watch_([this, &context](const std::stop_token& stop) {
-        std::unique_lock lock(mutex_);
-        while (!stop.stop_requested()) {
-          const std::uint64_t seen = changes_;
-          const auto changed = [&] { return changes_ != seen; };
-          if (!waiting_) {
-            changed_.wait(lock, stop, changed);
-          } else if (!changed_.wait_for(lock, stop, limit_, changed) && !stop.stop_requested()) {
-            lost_ = true;
-            context.TryCancel();
-            return;
-          }
-        }
-      }) {}
-
-void Impatience::SetWaiting(bool waiting) {
-  const std::lock_guard lock(mutex_);
-  waiting_ = waiting;
-  ++changes_;
-  changed_.notify_all();
-}
-
-bool Impatience::is_lost() const {
-  const std::lock_guard lock(mutex_);
-  return lost_;
 }
 
 }  // namespace arap::client::internal

@@ -1,22 +1,21 @@
 // Calls: what one is called by in the logs of the server and in traces, when it is made again, what
-// counts as lost, how long to wait, the unary call that does so, and what ends a call whose next
-// message does not come.
+// counts as lost, how long to wait, and the unary call that does so.
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
-#include <thread>
+#include <utility>
 
 #include <grpcpp/client_context.h>
 #include <grpcpp/support/status.h>
 
 #include "arap/client/call.h"
+#include "client/src/leavable_call.h"
 #include "proto/convert/status.h"
 
 namespace arap::client::internal {
@@ -77,56 +76,39 @@ inline constexpr Method kChange{Repeat::kNever, kWorkLimit};
 std::optional<std::chrono::system_clock::time_point> DeadlineOf(const CallOptions& call,
                                                                 std::chrono::milliseconds limit);
 
+// One of the attempts to make a call.
+struct Attempt {
+  const CallHeaders& headers;
+  std::optional<std::chrono::system_clock::time_point> deadline;
+  std::stop_token stop;
+
+  void Prepare(grpc::ClientContext& context) const;
+};
+
 // Makes the call, and again as the method allows; `attempt` makes it once, and where the answer
 // comes in pieces says in `heard` whether one came: then retry_within counts anew.
 Status MakeCall(const Method& method, const CallOptions& call, const std::string& session_id,
-                const std::function<grpc::Status(grpc::ClientContext&)>& attempt,
+                const std::function<grpc::Status(const Attempt&)>& attempt,
                 const bool* heard = nullptr);
 
-// One unary call: `function` is the stub's.
+// One unary call: `function` is the stub's, of those that take a reactor.
 template <class Stub, class Request, class Response>
 Result<Response> Call(Stub& stub,
-                      grpc::Status (Stub::*function)(grpc::ClientContext*, const Request&,
-                                                     Response*),
+                      void (Stub::async::*function)(grpc::ClientContext*, const Request*, Response*,
+                                                    grpc::ClientUnaryReactor*),
                       const Request& request, const Method& method, const CallOptions& call,
                       const std::string& session_id = {}) {
   Response response;
-  return MakeCall(method, call, session_id,
-                  [&](grpc::ClientContext& context) {
-                    response.Clear();
-                    return (stub.*function)(&context, request, &response);
-                  })
-      .map([&] { return std::move(response); });
+  const auto once = [&](const Attempt& attempt) {
+    const auto made = UnaryCall<Response>::Make();
+    attempt.Prepare(made->context());
+    (stub.async()->*function)(&made->context(), &request, &made->response(), made.get());
+    made->StartCall();
+    const grpc::Status status = made->Wait(attempt.deadline, attempt.stop);
+    if (status.ok()) response = std::move(made->response());
+    return status;
+  };
+  return MakeCall(method, call, session_id, once).map([&] { return std::move(response); });
 }
-
-// Ends a call whose next message does not come. Has a thread of its own for as long as it lives.
-// `context` outlives it, and its call begins after it.
-class Impatience {
- public:
-  // Cancels the call when nothing has come for `limit` while it was waited for.
-  Impatience(grpc::ClientContext& context, std::chrono::milliseconds limit);
-
-  // What `read` answers, which waits for a message or the end.
-  template <class Read>
-  bool Wait(const Read& read) {
-    SetWaiting(true);
-    const bool got = read();
-    SetWaiting(false);
-    return got;
-  }
-  // Whether it has cancelled the call. From any thread.
-  bool is_lost() const;
-
- private:
-  void SetWaiting(bool waiting);
-
-  const std::chrono::milliseconds limit_;
-  mutable std::mutex mutex_;
-  std::condition_variable_any changed_;
-  std::uint64_t changes_ = 0;
-  bool waiting_ = false;
-  bool lost_ = false;
-  std::jthread watch_;  // last: it uses all of the above
-};
 
 }  // namespace arap::client::internal

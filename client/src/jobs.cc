@@ -85,39 +85,35 @@ Result<FlattenJob> JobOf(const v1::Job& job, const std::string& job_id) {
 // fails. A piece that does not come within kQuickLimit is kDeadlineExceeded.
 template <class Request, class Response, class Take>
 Status ReadPieces(Stub& stub,
-                  std::unique_ptr<grpc::ClientReader<Response>> (Stub::*method)(
-                      grpc::ClientContext*, const Request&),
+                  void (Stub::async::*method)(grpc::ClientContext*, const Request*,
+                                              grpc::ClientReadReactor<Response>*),
                   const std::function<Request()>& request, const CallOptions& call,
                   const std::string& session_id, Take take) {
   constexpr internal::Method kPieces{internal::Repeat::kHarmless, kNoLimit};
   std::optional<Fault> bad;
   bool heard = false;
-  const auto attempt = [&](grpc::ClientContext& context) {
-    internal::Impatience impatience(context, kQuickLimit);
-    const auto reader = (stub.*method)(&context, request());
+  const auto once = [&](const internal::Attempt& attempt) {
+    const auto pieces = internal::PiecesCall<Response>::Make();
+    attempt.Prepare(pieces->context());
+    const std::stop_callback cancel(attempt.stop, [&] { pieces->Cancel(); });
+    const Request asked = request();
+    (stub.async()->*method)(&pieces->context(), &asked, pieces.get());
+    pieces->Start();
     heard = false;
     Response response;
-    const auto next = [&] { return impatience.Wait([&] { return reader->Read(&response); }); };
-    // After a fault we still read to the end, so that the call can be finished.
-    while (next()) {
-      if (bad) continue;
+    while (pieces->Read(&response, std::chrono::steady_clock::now() + kQuickLimit)) {
       heard = true;
       if (Status taken = take(response); !taken) {
         bad = std::move(taken.error());
-        context.TryCancel();
+        return grpc::Status::OK;
       }
     }
-    const grpc::Status status = reader->Finish();
-    if (bad) return grpc::Status::OK;
-    if (impatience.is_lost()) {
-      const double seconds = std::chrono::duration<double>(kQuickLimit).count();
-      return grpc::Status(
-          grpc::StatusCode::DEADLINE_EXCEEDED,
-          fmt::format("The server has told nothing of the job for {:g} s.", seconds));
-    }
-    return status;
+    if (!pieces->is_late()) return pieces->status();
+    const double seconds = std::chrono::duration<double>(kQuickLimit).count();
+    return grpc::Status(grpc::StatusCode::DEADLINE_EXCEEDED,
+                        fmt::format("The server has told nothing of the job for {:g} s.", seconds));
   };
-  CHECK_OK(internal::MakeCall(kPieces, call, session_id, attempt, &heard));
+  CHECK_OK(internal::MakeCall(kPieces, call, session_id, once, &heard));
   if (bad) return Fail(*std::move(bad));
   return {};
 }
@@ -130,7 +126,7 @@ Result<FlattenJob> Session::SubmitFlatten(const std::string& job_id, const Surfa
   auto request = OfJob<v1::SubmitFlattenRequest>(id_, job_id);
   internal::ToWire(mesh, query, request.mutable_flatten());
   TRY(const v1::SubmitFlattenResponse response,
-      Call(channel_->flattening(), &Stub::SubmitFlatten, request, kWork, call, id_));
+      Call(channel_->flattening(), &Stub::async::SubmitFlatten, request, kWork, call, id_));
   return JobOf(response.job(), job_id);
 }
 
@@ -143,7 +139,7 @@ Result<FlattenJob> Session::WatchJob(const std::string& job_id, const JobCallbac
     return Fail(FaultKind::kCancelled, "The caller stopped watching.");
   };
   const std::function request = [&] { return OfJob<v1::WatchJobRequest>(id_, job_id); };
-  CHECK_OK(ReadPieces(channel_->flattening(), &Stub::WatchJob, request, call, id_, take));
+  CHECK_OK(ReadPieces(channel_->flattening(), &Stub::async::WatchJob, request, call, id_, take));
   if (last && last->ended()) return *std::move(last);
   return Fail(BadAnswer("The server stopped telling of a job that has not ended."));
 }
@@ -166,7 +162,8 @@ Result<FlatSurface> Session::GetResult(const std::string& job_id, const SurfaceM
     rest.set_offset(bytes.size());
     return rest;
   };
-  CHECK_OK(ReadPieces(channel_->flattening(), &Stub::DownloadResult, request, call, id_, take));
+  CHECK_OK(
+      ReadPieces(channel_->flattening(), &Stub::async::DownloadResult, request, call, id_, take));
   if (total != bytes.size()) {
     return Fail(BadAnswer(fmt::format("The server answered {} bytes of a result of {}.",
                                       bytes.size(), total.value_or(0))));
@@ -181,7 +178,7 @@ Result<FlatSurface> Session::GetResult(const std::string& job_id, const SurfaceM
 Result<FlattenJob> Session::CancelJob(const std::string& job_id, const CallOptions& call) const {
   const auto request = OfJob<v1::CancelJobRequest>(id_, job_id);
   TRY(const v1::CancelJobResponse response,
-      Call(channel_->flattening(), &Stub::CancelJob, request, kLookUp, call, id_));
+      Call(channel_->flattening(), &Stub::async::CancelJob, request, kLookUp, call, id_));
   TRY(auto job, JobOf(response.job(), job_id));
   if (!job.ended()) {
     return Fail(BadAnswer("The server answered that a job goes on which was cancelled."));

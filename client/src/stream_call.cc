@@ -1,38 +1,8 @@
 #include "client/src/stream_call.h"
 
-#include <thread>
 #include <utility>
 
 namespace arap::client::internal {
-
-void StreamCall::Leave() {
-  constexpr std::chrono::milliseconds kMoment{200};
-  bool left = false;
-  {
-    const MutexLock lock(&mutex_);
-    if (!done_) context_.TryCancel();
-    if (!reading_) EndReading();
-    const auto end = std::chrono::steady_clock::now() + kMoment;
-    while (!done_ && !changed_.WaitUntil(&mutex_, end)) {
-    }
-    left = left_ = !done_;
-  }
-  if (!left) delete this;
-}
-
-void StreamCall::Cancel() {
-  const MutexLock lock(&mutex_);
-  cancelled_ = true;
-  context_.TryCancel();
-  changed_.SignalAll();
-}
-
-// The hold is what allows reads and writes to be started from outside.
-void StreamCall::EndReading() {
-  if (std::exchange(over_, true)) return;
-  RemoveHold();
-  changed_.SignalAll();
-}
 
 void StreamCall::Push(Request request) {
   const MutexLock lock(&mutex_);
@@ -74,29 +44,6 @@ std::optional<std::chrono::steady_clock::time_point> StreamCall::writing_since()
   return writing_ ? std::optional(writing_since_) : std::nullopt;
 }
 
-bool StreamCall::Read(Response* response) {
-  const MutexLock lock(&mutex_);
-  if (!over_ && !reading_ && !got_) {
-    reading_ = true;
-    StartRead(&incoming_);
-  }
-  while (!got_ && !cancelled_ && !(over_ && done_)) changed_.Wait(&mutex_);
-  if (!std::exchange(got_, false)) {
-    end_ = done_ ? status_ : grpc::Status(grpc::CANCELLED, "The call was cancelled.");
-    return false;
-  }
-  response->Swap(&incoming_);
-  return true;
-}
-
-void StreamCall::OnReadDone(bool ok) {
-  const MutexLock lock(&mutex_);
-  reading_ = false;
-  got_ = ok;
-  if (!ok) EndReading();
-  changed_.SignalAll();
-}
-
 void StreamCall::OnWriteDone(bool ok) {
   const MutexLock lock(&mutex_);
   writing_ = false;
@@ -104,22 +51,6 @@ void StreamCall::OnWriteDone(bool ok) {
   unsent_.pop_front();
   WriteNext();
   changed_.SignalAll();
-}
-
-void StreamCall::OnDone(const grpc::Status& status) {
-  const MutexLock lock(&mutex_);
-  status_ = status;
-  done_ = true;
-  // Under the lock: the object may go as soon as it is let go of.
-  changed_.SignalAll();
-  // The channel goes with it, which must not happen on a thread of the channel's.
-  if (left_) std::thread([this] { DeleteLeft(); }).detach();
-}
-
-void StreamCall::DeleteLeft() {
-  // Not before OnDone has let go of the lock.
-  { const MutexLock lock(&mutex_); }
-  delete this;
 }
 
 }  // namespace arap::client::internal

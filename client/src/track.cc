@@ -1,9 +1,9 @@
 // Session::DeformTrack: the frames of a track, each checked as it comes.
-#include <optional>
+#include <chrono>
+#include <stop_token>
 #include <utility>
 
 #include <fmt/format.h>
-#include <grpcpp/client_context.h>
 
 #include "arap/client/session.h"
 #include "client/src/answers.h"
@@ -49,36 +49,28 @@ Status Session::DeformTrack(const std::string& handle_set_id,
   }
   internal::ToWire(options, request.mutable_options());
 
-  grpc::ClientContext context;
-  internal::CallHeaders(id_, call.traceparent).AddTo(context);
-  if (const auto deadline = internal::DeadlineOf(call, kNoLimit)) context.set_deadline(*deadline);
-  const std::stop_callback cancel(call.stop, [&context] { context.TryCancel(); });
-  internal::Impatience impatience(context, kWorkLimit);
-  const auto reader = channel_->deformation().DeformTrack(&context, request);
+  const internal::CallHeaders headers(id_, call.traceparent);
+  const auto track = internal::PiecesCall<v1::DeformTrackResponse>::Make();
+  const internal::Attempt attempt{headers, internal::DeadlineOf(call, kNoLimit), call.stop};
+  attempt.Prepare(track->context());
+  const std::stop_callback cancel(call.stop, [&track] { track->Cancel(); });
+  channel_->deformation().async()->DeformTrack(&track->context(), &request, track.get());
+  track->Start();
   internal::ShapeQuestion asked{options, sizes_->OfSet(handle_set_id)};
-  std::optional<Fault> stop;
   v1::DeformTrackResponse response;
   std::size_t frame = 0;
-  const auto next = [&] { return impatience.Wait([&] { return reader->Read(&response); }); };
-  // After a stop we still read to the end, so that the call can be finished.
-  while (next()) {
-    if (stop) continue;
-    Result<Shape> shape = FrameOf(response, asked, frame++, frames.size());
-    if (!shape) {
-      stop = std::move(shape.error());
-    } else if (!on_frame(*std::move(shape))) {
-      stop = Fault(FaultKind::kCancelled, "The caller stopped the track.");
+  while (track->Read(&response, std::chrono::steady_clock::now() + kWorkLimit)) {
+    TRY(Shape shape, FrameOf(response, asked, frame++, frames.size()));
+    if (!on_frame(std::move(shape))) {
+      return Fail(FaultKind::kCancelled, "The caller stopped the track.");
     }
-    if (stop) context.TryCancel();
   }
-  const grpc::Status status = reader->Finish();
-  if (stop) return Fail(*std::move(stop));
-  if (impatience.is_lost()) {
+  if (track->is_late()) {
     return Fail(FaultKind::kDeadlineExceeded,
                 fmt::format("Frame {} of the track did not come within {:g} s.", frame,
                             std::chrono::duration<double>(kWorkLimit).count()));
   }
-  if (!status.ok()) return Fail(convert::FaultOf(status));
+  if (!track->status().ok()) return Fail(convert::FaultOf(track->status()));
   if (frame == frames.size()) return {};
   return Fail(internal::BadAnswer(
       fmt::format("The server ended the track after {} of {} frames.", frame, frames.size())));
