@@ -93,6 +93,80 @@ test("a track is the shapes of its frames, in order", { timeout }, () =>
   }),
 );
 
+test("a TRACK.json of arapctl is taken as it is", { timeout }, () =>
+  onStage(async ({ url }) => {
+    const session = await puppet(url);
+    const path = `${url}/v1/sessions/${session}/handle-sets/h/track`;
+    const file = {
+      mesh: "sheet.obj",
+      w: 1000,
+      handles: [
+        { name: "r", rest: [8, 0], triangle: 3, bary: [0, 1, 0], hard: true },
+        { name: "l", rest: [0, 0], vertex: 0 },
+      ],
+      frames: [
+        { i: 0, kind: "rest", targets: [[8, 1], null] },
+        {
+          i: 1,
+          kind: "wave",
+          targets: [
+            [9, 2],
+            [1, 0],
+          ],
+        },
+        { i: 2, kind: "wave", targets: [null, [2, 0]] },
+      ],
+      edits: [],
+    };
+    const plain = {
+      handles: ["r", "l"],
+      frames: [
+        [8, 1, 0, 0],
+        [9, 2, 1, 0],
+        [9, 2, 2, 0],
+      ].map((positions) => ({ positions })),
+    };
+    const more = { float64: true, refine: 1 };
+    const taken = await lines(await ask(path, { body: { ...file, ...more } }));
+    assert.deepEqual(taken, await lines(await ask(path, { body: { ...plain, ...more } })));
+
+    // Angles and scales, null too: of handles that hold them.
+    const turned = [
+      { id: "l", vertex: 0, oriented: true },
+      { id: "r", vertex: 8 },
+    ];
+    const sets = `${url}/v1/sessions/${session}/handle-sets`;
+    await json(sets, { body: { id: "t", meshId: "m", handles: turned } }, 201);
+    const at = `${sets}/t/track`;
+    const [a, b, c] = file.frames;
+    const angles = {
+      ...file,
+      frames: [{ ...a, angles: [0, 0.5] }, { ...b, angles: [0, null] }, c],
+    };
+    const same = plain.frames.map((frame, i) => ({ ...frame, angles: [0, i < 2 ? 0.5 : 0] }));
+    assert.deepEqual(
+      await lines(await ask(at, { body: { ...angles, ...more } })),
+      await lines(await ask(at, { body: { ...plain, frames: same, ...more } })),
+    );
+
+    const wrong: [Json, string][] = [
+      [{ ...file, edits: [{ frame: 1, remove: ["l"] }] }, "edits"],
+      [{ ...file, frames: [a, { targets: [[1, 1]] }] }, "frames[1].targets"],
+      [{ ...file, frames: [{ ...a, scales: [1] }] }, "frames[0].scales"],
+      [{ ...file, frames: [a, { targets: [[1], null] }] }, "frames[1].targets[0]"],
+      [{ ...file, handles: [{ name: "l" }] }, "handles[0].rest"],
+      [{ ...file, handles: ["l", "r"] }, "handles[0]"],
+    ];
+    for (const [body, field] of wrong) {
+      const told = (await (await ask(path, { body })).json()) as Json;
+      assert.equal(told.reason, "MALFORMED", JSON.stringify(told));
+      assert.equal(told.field, field, JSON.stringify(told));
+    }
+    const unknown = { ...file, handles: [{ name: "x", rest: [0, 0] }, file.handles[1]] };
+    await problem(path, { body: unknown }, "UNKNOWN_HANDLE");
+  }),
+);
+
 test("what is wrong with a track is told with its place", { timeout }, () =>
   onStage(
     async ({ url }) => {

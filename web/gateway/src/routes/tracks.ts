@@ -9,12 +9,14 @@ import type { Shape, ShapeOptions } from "@arapd/client";
 
 import { callOf, leaving } from "../context.js";
 import type { Context } from "../context.js";
+import { bodyOfTrack, isTrackFile } from "../files/track.js";
 import { toJson } from "../json.js";
 import { acceptedOf } from "../layout/accept.js";
 import { Problem, detailsOf, foreseen, unforeseen } from "../problems.js";
 import { answers, parameters } from "../schemas/base.js";
-import { TrackBody } from "../schemas/handles.js";
+import { TrackBody, TrackFile } from "../schemas/handles.js";
 import { frameOf, lastFrameOf } from "../stream/frame.js";
+import { check } from "../validate.js";
 import { answerOf } from "./sessions.js";
 
 const mediaTypes = [
@@ -48,7 +50,7 @@ export function trackRoutes(app: FastifyInstance, context: Context): void {
         summary: "All shapes of a motion, in order",
         tags: ["sessions"],
         params: parameters("session", "handleSet"),
-        body: TrackBody,
+        body: { anyOf: [TrackBody, TrackFile] },
         response: answers({
           200: {
             description:
@@ -62,17 +64,30 @@ export function trackRoutes(app: FastifyInstance, context: Context): void {
         }),
       },
       config: { fields: { handleIds: "handles", anglesRadians: "angles" } },
+      // Which of both it is to be says more of what is wrong than that it is neither.
+      validatorCompiler:
+        ({ schema, httpPart }) =>
+        (value: unknown) => {
+          try {
+            if (httpPart === "body") check(isTrackFile(value) ? TrackFile : TrackBody, value);
+            else check(schema as object, value, `The ${httpPart}`);
+            return { value };
+          } catch (error) {
+            return { error: error as Error };
+          }
+        },
     },
     async (request, reply) => {
       const { params, headers, body } = request;
       const { session, handleSet } = params as { session: string; handleSet: string };
-      const { handles, frames, encoding, ...options } = body as Static<typeof TrackBody>;
+      const asked = isTrackFile(body) ? bodyOfTrack(body) : (body as Static<typeof TrackBody>);
+      const { handles, frames, encoding, ...options } = asked;
       const kind = acceptedOf(headers.accept, mediaTypes);
       if (kind === "frames" && options.float64) {
         const field = { field: "float64" };
         throw new Problem("MALFORMED", "Binary frames have no double precision.", field);
       }
-      const asked: ShapeOptions = {
+      const shapeOptions: ShapeOptions = {
         ...options,
         ...(kind === "frames" && { encoding: encoding === "int16" ? "int16_le" : "float32_le" }),
         relativeToOrigin: !options.float64,
@@ -83,7 +98,7 @@ export function trackRoutes(app: FastifyInstance, context: Context): void {
       try {
         shapes = lease.client
           .attachSession(session)
-          .deformTrack(handleSet, handles, frames, asked, callOf(request, leaving(reply)));
+          .deformTrack(handleSet, handles, frames, shapeOptions, callOf(request, leaving(reply)));
         first = await shapes.next();
       } catch (error) {
         lease.release();

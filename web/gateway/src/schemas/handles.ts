@@ -1,6 +1,6 @@
 // Handles, shapes, and what is said on a stream.
 import { Type } from "@sinclair/typebox";
-import type { Static } from "@sinclair/typebox";
+import type { Static, TSchema } from "@sinclair/typebox";
 
 import { Warning, closed, flag, index, indices, name, numbers, oneOf, optional } from "./base.js";
 
@@ -111,6 +111,12 @@ export const ShapeAnswer = Type.Object({
   handleSetRevision: Type.Integer(),
 });
 
+const trackOptions = {
+  ...shapeOptions,
+  encoding: optional(oneOf(["float32", "int16"], "Of binary answers. Default float32.")),
+  float64: flag("Positions in double precision, of answers in NDJSON."),
+};
+
 export const TrackBody = closed({
   handles: Type.Array(name(), {
     maxItems: 100_000,
@@ -124,10 +130,33 @@ export const TrackBody = closed({
     }),
     { minItems: 1, maxItems: 1_000_000 },
   ),
-  ...shapeOptions,
-  encoding: optional(oneOf(["float32", "int16"], "Of binary answers. Default float32.")),
-  float64: flag("Positions in double precision, of answers in NDJSON."),
+  ...trackOptions,
 });
+
+const orNull = <T>(schema: TSchema) => Type.Unsafe<T | null>({ anyOf: [schema, { type: "null" }] });
+
+/** TRACK.json of arapctl, which may have more than is used here. */
+export const TrackFile = Type.Object(
+  {
+    handles: Type.Array(Type.Object({ name: optional(name()), rest: Point }), {
+      maxItems: 100_000,
+      description: "Those of the handle set: the columns of the frames.",
+    }),
+    frames: Type.Array(
+      Type.Object({
+        targets: Type.Array(orNull<[number, number]>(Point), {
+          description: "One for each of the handles; null: it keeps its last one.",
+        }),
+        angles: optional(Type.Array(orNull<number>(Type.Number()))),
+        scales: optional(Type.Array(orNull<number>(Type.Number()))),
+      }),
+      { minItems: 1, maxItems: 1_000_000 },
+    ),
+    edits: optional(Type.Array(Type.Unknown(), { description: "None." })),
+    ...trackOptions,
+  },
+  { description: "A TRACK.json of arapctl as it is. The handles are those of the set already." },
+);
 
 const sequence = optional(Type.Integer({ minimum: 1, maximum: 4294967295 }));
 const type = <const T extends string>(value: T) => Type.Literal(value);
