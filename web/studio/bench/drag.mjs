@@ -6,20 +6,11 @@
 //   --rate N: how often a second the pointer moves. ARAPD=PATH is the server, CHROMIUM=PATH the browser.
 // --trace FILE: what chromium did meanwhile, for its own viewer. The page, the gateway and arapd share the
 // machine, which ought to be quiet.
-import { spawn } from "node:child_process";
-import { once } from "node:events";
-import { mkdtempSync, readFileSync, readdirSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
-import { dirname, join } from "node:path";
-import { createInterface } from "node:readline";
 import { setTimeout as sleep } from "node:timers/promises";
-import { fileURLToPath } from "node:url";
 import { parseArgs } from "node:util";
 
-import { chromium } from "playwright-core";
+import { Stack } from "./stack.mjs";
 
-const here = dirname(dirname(fileURLToPath(import.meta.url)));
-const arapd = process.env.ARAPD ?? join(here, "../../build/release/bin/arapd");
 const { values } = parseArgs({
   options: {
     vertices: { type: "string", default: "5000" },
@@ -33,56 +24,12 @@ const [vertices, seconds, rate] = ["vertices", "seconds", "rate"].map((name) =>
   Number(values[name]),
 );
 
-async function start(program, words, ready) {
-  const child = spawn(program, words, { stdio: ["ignore", "pipe", "inherit"] });
-  for await (const line of createInterface({ input: child.stdout })) {
-    const found = ready.exec(line)?.[1];
-    if (found === undefined) continue;
-    child.stdout.resume();
-    return { child, address: found };
-  }
-  throw new Error(`${program} ended before it was ready`);
-}
-
-const folder = mkdtempSync(join(tmpdir(), "arapd-drag-"));
-const children = [];
-let browser;
+const stack = new Stack();
 try {
-  const listen = ["--listen", `unix:${folder}/socket`, "--store", "memory", "--no-admin"];
-  const server = await start(
-    arapd,
-    [...listen, "--log-level", "error"],
-    /^arapd listening on (.*)$/,
-  );
-  children.push(server.child);
-  const words = [
-    "--arapd",
-    server.address,
-    "--listen",
-    "127.0.0.1:0",
-    "--static",
-    join(here, "dist"),
-  ];
-  const gateway = await start(
-    process.execPath,
-    [join(here, "../gateway/dist/main.js"), ...words, "--log-level", "error"],
-    /^gateway listening on (.*)$/,
-  );
-  children.push(gateway.child);
-  browser = await chromium.launch({
-    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-    args: [
-      "--no-sandbox",
-      "--disable-gpu",
-      "--use-angle=swiftshader",
-      "--enable-unsafe-swiftshader",
-      "--disable-dev-shm-usage",
-      "--no-first-run",
-      "--disable-background-networking",
-    ],
-  });
+  await stack.start();
+  const { browser } = stack;
   const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
-  await page.goto(gateway.address);
+  await page.goto(stack.address);
   const until = async (expression) => {
     while (!(await page.evaluate(expression))) await sleep(50);
   };
@@ -101,9 +48,9 @@ try {
     await page.mouse.move(x, y);
     await page.mouse.down();
     if (values.trace && !blind) await browser.startTracing(page, { path: values.trace });
-    const before = browserMs();
+    const before = stack.browserMs();
     const found = await page.evaluate(`(${drag})(${x}, ${y}, ${rate}, ${1000 * seconds})`);
-    found.processorMsPerSecond = Math.round((browserMs() - before) / seconds);
+    found.processorMsPerSecond = Math.round((stack.browserMs() - before) / seconds);
     if (values.trace && !blind) await browser.stopTracing();
     await page.mouse.up();
     // The pin goes back to where the pointer is next.
@@ -113,37 +60,7 @@ try {
   }
   console.log(values.json ? JSON.stringify(report) : report);
 } finally {
-  await browser?.close();
-  for (const child of children.reverse()) child.kill("SIGTERM");
-  await Promise.all(children.map((child) => child.exitCode ?? once(child, "exit")));
-  rmSync(folder, { recursive: true, force: true });
-}
-
-// Processor time of the browser so far, in ms: of all that comes from this process, but of its other children.
-function browserMs() {
-  const parents = new Map();
-  const spent = new Map();
-  for (const pid of readdirSync("/proc")
-    .filter((name) => /^\d+$/.test(name))
-    .map(Number)) {
-    try {
-      const fields = readFileSync(`/proc/${pid}/stat`, "latin1")
-        .replace(/^.*\) /, "")
-        .split(" ");
-      parents.set(pid, Number(fields[1]));
-      spent.set(pid, 10 * (Number(fields[11]) + Number(fields[12])));
-    } catch {
-      // It has just ended.
-    }
-  }
-  const others = new Set(children.map(({ pid }) => pid));
-  const isOurs = (pid) => {
-    for (let at = pid; at > 1 && !others.has(at); at = parents.get(at)) {
-      if (parents.get(at) === process.pid) return true;
-    }
-    return false;
-  };
-  return [...spent].reduce((sum, [pid, ms]) => sum + (isOurs(pid) ? ms : 0), 0);
+  await stack.stop();
 }
 
 // In the page. The mouse is at x, y and holds a pin.

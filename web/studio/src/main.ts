@@ -17,18 +17,7 @@ function start(): void {
   const root = document.getElementById("root")!;
   const studio = new Studio();
   const takes = new Takes(studio);
-  let stage: Stage;
-  try {
-    stage = new Stage(studio, takes);
-  } catch {
-    const sorry = h(
-      "main",
-      { id: "sorry" },
-      h("p", { role: "alert", class: "fatal" }, words.noWebGL),
-    );
-    root.append(head("puppet", "sorry", words.skip), sorry);
-    return;
-  }
+  const stage = new Stage(studio, takes);
 
   // ---- the head: history, help
   const history = undoing(studio);

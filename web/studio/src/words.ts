@@ -243,7 +243,6 @@ export const words = {
   },
   flat,
   load,
-  noWebGL: "This browser has no WebGL 2, with which the puppet is drawn.",
   wentWrong: (sentence: string) => sentence || "Something went wrong.",
 };
 

@@ -3,7 +3,8 @@ import { boxOf } from "../model/geometry.js";
 import type { Box } from "../model/geometry.js";
 import type { Body } from "../model/puppet.js";
 import { fit } from "../view/camera.js";
-import { Painter } from "../view/painter.js";
+import { painterOf } from "../view/painter.js";
+import type { Painter } from "../view/scene.js";
 
 export interface Pictures {
   body: Body;
@@ -34,8 +35,8 @@ export class Projector {
     // Films want even numbers.
     this.canvas.width = 2 * Math.max(1, Math.round((width * scale) / 2));
     this.canvas.height = 2 * Math.max(1, Math.round((height * scale) / 2));
-    this.#painter = new Painter(this.canvas, true);
-    this.#painter.picture(pictures.image, pictures.image.width, pictures.image.height);
+    this.#painter = painterOf(this.canvas, true);
+    this.#painter.picture(pictures.image);
     this.#painter.body(pictures.body);
   }
 

@@ -1,8 +1,7 @@
 // How many pixels the stage draws. Where the processor draws, a picture costs what its pixels cost: as soon as
-// pictures of a drag come too seldom they have fewer, and all again when the hand rests.
+// pictures of a drag take too long they have fewer, and all again when the hand rests.
 
-const slowMs = 28; // between pictures
-const pauseMs = 400; // after that a picture is no late one: nothing was to be drawn
+const slowMs = 11; // for a picture, so that the page can do something else before the next
 const restMs = 250;
 const parts = [1, 0.7, 0.5]; // of the length of a side
 const pictures = 6; // in a row, before there is another step
@@ -11,10 +10,10 @@ export class Detail {
   readonly #canvas: HTMLCanvasElement;
   readonly #again: () => void;
   #step = 0;
-  #last = 0;
-  #late: number[] = [];
+  #took: number[] = [];
   #timer: ReturnType<typeof setTimeout> | undefined;
   #rests = false;
+  #counts = false;
 
   /** `again` draws once more. */
   constructor(canvas: HTMLCanvasElement, again: () => void) {
@@ -29,21 +28,21 @@ export class Detail {
   }
 
   /** For the picture that is drawn now, so that no empty canvas is seen between. */
-  resize(width: number, height: number, drags: boolean, now = performance.now()): void {
-    const [w, h] = sizeOf(width, height, drags && !this.#rests ? this.#part(now) : 1);
+  resize(width: number, height: number, drags: boolean): void {
+    this.#counts = drags && !this.#rests;
+    const [w, h] = sizeOf(width, height, this.#counts ? parts[this.#step] : 1);
     this.#rests = false;
     if (this.#canvas.width !== w) this.#canvas.width = w;
     if (this.#canvas.height !== h) this.#canvas.height = h;
   }
 
-  #part(now: number): number {
-    const since = now - this.#last;
-    this.#last = now;
-    if (since > pauseMs) this.#late = [];
-    else this.#late.push(since);
-    if (this.#late.length === pictures) {
-      const middle = [...this.#late].sort((a, b) => a - b)[pictures >> 1];
-      this.#late = [];
+  /** So long that picture has taken. */
+  took(ms: number): void {
+    if (!this.#counts) return;
+    this.#took.push(ms);
+    if (this.#took.length === pictures) {
+      const middle = this.#took.sort((a, b) => a - b)[pictures >> 1];
+      this.#took = [];
       // What was too slow once is so for the rest of the visit: nobody wants it to flicker.
       if (middle > slowMs) this.#step = Math.min(this.#step + 1, parts.length - 1);
     }
@@ -52,7 +51,6 @@ export class Detail {
       this.#rests = this.#step > 0;
       if (this.#rests) this.#again();
     }, restMs);
-    return parts[this.#step];
   }
 }
 

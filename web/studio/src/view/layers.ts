@@ -1,6 +1,6 @@
 // What is shown over the figure: starch, and triangles that are flipped.
 import type { Studio } from "../studio.js";
-import type { Colour, Layer } from "./painter.js";
+import type { Colour, Layer } from "./scene.js";
 
 const red: Colour = [0.86, 0.1, 0.12];
 const blue: Colour = [0.1, 0.36, 0.85];

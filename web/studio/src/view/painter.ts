@@ -1,249 +1,36 @@
-// The textured mesh on a canvas, with plain WebGL 2.
-import type { Body } from "../model/puppet.js";
-import type { Camera } from "./camera.js";
+// Who paints the figure: WebGL where a graphics processor draws, else the page itself.
+import { GlPainter } from "./gl_painter.js";
+import type { Painter } from "./scene.js";
+import { SoftPainter } from "./soft_painter.js";
 
-const vertexShader = `#version 300 es
-uniform vec4 view; // x, y of the middle; half extents
-in vec2 place;
-in vec2 texel;
-out vec2 at;
-void main() {
-  at = texel;
-  gl_Position = vec4((place - view.xy) / view.zw, 0.0, 1.0);
-}`;
-const fragmentShader = `#version 300 es
-precision mediump float;
-uniform sampler2D picture;
-uniform vec4 tint;  // colour, and how much of it
-uniform float strength;
-in vec2 at;
-out vec4 colour;
-void main() {
-  vec4 own = texture(picture, at); // premultiplied
-  float alpha = mix(own.a, 1.0, step(1.5, tint.a));
-  colour = vec4(mix(own.rgb, tint.rgb * alpha, min(tint.a, 1.0)), alpha) * strength;
-}`;
-
-export type Colour = readonly [red: number, green: number, blue: number];
-
-/** A layer of triangles over the figure: `part` of its colour is the tint. Above 1: nothing else. */
-export interface Layer {
-  triangles: ArrayLike<number>;
-  tint: Colour;
-  part: number;
-  strength: number;
-}
-
-export interface Scene {
-  camera: Camera;
-  shape: ArrayLike<number>;
-  /** Triangles back to front; empty: as they are numbered. */
-  order: ArrayLike<number>;
-  /** Paler poses behind it. */
-  ghosts: { shape: ArrayLike<number>; strength: number }[];
-  layers: Layer[];
-  /** Edges of the mesh, or null. */
-  wire: Colour | null;
-}
-
-export class Painter {
-  readonly canvas: HTMLCanvasElement;
-  readonly #gl: WebGL2RenderingContext;
-  /** A graphics processor draws. */
-  readonly isFast: boolean;
-  readonly #program: WebGLProgram;
-  readonly #places: WebGLBuffer;
-  readonly #texels: WebGLBuffer;
-  readonly #indices: WebGLBuffer;
-  readonly #uniform: Record<"view" | "tint" | "strength", WebGLUniformLocation | null>;
-  #texture: WebGLTexture | null = null;
-  #body: Body | null = null;
-  #size = { width: 1, height: 1 };
-  #edges: Uint32Array = new Uint32Array(0);
-  /** What the index buffer holds: mostly the same for all pictures of a drag. */
-  #uploaded: Uint32Array | undefined;
-  #ordered: { triangles: Uint32Array; order: ArrayLike<number>; corners: Uint32Array } | undefined;
-
-  /** Throws where there is no WebGL 2. `keep` for canvases that are read from. */
-  constructor(canvas: HTMLCanvasElement, keep = false) {
-    // Where the processor draws, smooth edges of triangles cost most of a picture; those of the figure
-    // are smooth anyway, as the mesh reaches beyond them.
-    this.isFast = hasGraphics();
-    const gl = canvas.getContext("webgl2", {
-      alpha: true,
-      premultipliedAlpha: true,
-      preserveDrawingBuffer: keep,
-      antialias: keep || this.isFast,
-    }) as WebGL2RenderingContext | null;
-    if (!gl) throw new Error("no WebGL 2");
-    this.canvas = canvas;
-    this.#gl = gl;
-    this.#program = link(gl);
-    const uniform = (name: string) => gl.getUniformLocation(this.#program, name);
-    this.#uniform = { view: uniform("view"), tint: uniform("tint"), strength: uniform("strength") };
-    this.#places = gl.createBuffer()!;
-    this.#texels = gl.createBuffer()!;
-    this.#indices = gl.createBuffer()!;
-    gl.useProgram(this.#program);
-    const bind = (name: string, buffer: WebGLBuffer): void => {
-      const at = gl.getAttribLocation(this.#program, name);
-      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-      gl.enableVertexAttribArray(at);
-      gl.vertexAttribPointer(at, 2, gl.FLOAT, false, 0, 0);
-    };
-    bind("place", this.#places);
-    bind("texel", this.#texels);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.#indices);
-    gl.enable(gl.BLEND);
-    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-  }
-
-  picture(image: TexImageSource, width: number, height: number): void {
-    const gl = this.#gl;
-    if (this.#texture) gl.deleteTexture(this.#texture);
-    this.#texture = gl.createTexture();
-    this.#size = { width, height };
-    this.#body = null;
-    gl.bindTexture(gl.TEXTURE_2D, this.#texture);
-    gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, true);
-    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, true);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, image);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
-    gl.generateMipmap(gl.TEXTURE_2D);
-    const filter = this.isFast ? gl.LINEAR_MIPMAP_LINEAR : gl.LINEAR_MIPMAP_NEAREST;
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
-  }
-
-  body(body: Body): void {
-    if (body === this.#body) return;
-    const picture = this.#body?.picture;
-    this.#body = body;
-    if (picture === body.picture) return;
-    const texels = Float32Array.from(
-      body.picture,
-      (value, i) => value / (i % 2 === 0 ? this.#size.width : this.#size.height),
-    );
-    const gl = this.#gl;
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.#texels);
-    gl.bufferData(gl.ARRAY_BUFFER, texels, gl.STATIC_DRAW);
-    this.#edges = edgesOf(body.triangles);
-  }
-
-  /** Paints into the whole canvas, whose CSS pixels are `ratio` of its own. */
-  paint(scene: Scene, ratio: number): void {
-    const gl = this.#gl;
-    const { width, height } = this.canvas;
-    gl.viewport(0, 0, width, height);
-    gl.clearColor(0, 0, 0, 0);
-    gl.clear(gl.COLOR_BUFFER_BIT);
-    if (!this.#body || !this.#texture) return;
-    const { camera } = scene;
-    const half = 2 * camera.zoom * ratio;
-    gl.uniform4f(this.#uniform.view, camera.x, camera.y, width / half, height / half);
-    const all = this.#all(this.#body.triangles, scene.order);
-    for (const ghost of scene.ghosts) {
-      this.#place(ghost.shape);
-      this.#draw(all, [0, 0, 0], 0, ghost.strength);
+/** `keep` for canvases that are read from. */
+export function painterOf(canvas: HTMLCanvasElement, keep = false): Painter {
+  if (hasGraphics()) {
+    try {
+      return new GlPainter(canvas, keep);
+    } catch {
+      // There may be few of them at a time. A canvas that has no context yet takes another.
     }
-    this.#place(scene.shape);
-    this.#draw(all, [0, 0, 0], 0, 1);
-    for (const layer of scene.layers) {
-      if (layer.triangles.length === 0) continue;
-      const corners = ordered(this.#body.triangles, layer.triangles);
-      this.#draw(corners, layer.tint, layer.part, layer.strength);
-    }
-    if (scene.wire) this.#draw(this.#edges, scene.wire, 2, 0.45, gl.LINES);
   }
-
-  // The same as for the picture before, mostly.
-  #all(triangles: Uint32Array, order: ArrayLike<number>): Uint32Array {
-    const last = this.#ordered;
-    if (last?.triangles === triangles && last.order === order) return last.corners;
-    const corners = ordered(triangles, order);
-    this.#ordered = { triangles, order, corners };
-    return corners;
-  }
-
-  #place(shape: ArrayLike<number>): void {
-    const gl = this.#gl;
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.#places);
-    // A constructor copies, where `from` would go through an iterator.
-    const places = shape instanceof Float32Array ? shape : new Float32Array(shape);
-    gl.bufferData(gl.ARRAY_BUFFER, places, gl.STREAM_DRAW);
-  }
-
-  #draw(
-    indices: Uint32Array,
-    tint: Colour,
-    part: number,
-    strength: number,
-    how: number = this.#gl.TRIANGLES,
-  ): void {
-    const gl = this.#gl;
-    gl.uniform4f(this.#uniform.tint, ...tint, part);
-    gl.uniform1f(this.#uniform.strength, strength);
-    if (indices !== this.#uploaded) {
-      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.STATIC_DRAW);
-      this.#uploaded = indices;
-    }
-    gl.drawElements(how, indices.length, gl.UNSIGNED_INT, 0);
-  }
+  return new SoftPainter(canvas);
 }
 
 let known: boolean | undefined;
 
-/** Whether a graphics processor draws. Browsers say so, or by which name they draw themselves. */
-function hasGraphics(): boolean {
+/** Whether a graphics processor draws: what the address of the page says (?draw=webgl, ?draw=page), or WebGL. */
+export function hasGraphics(): boolean {
   known ??= (() => {
+    const said = new URLSearchParams(location.search).get("draw");
+    if (said === "webgl" || said === "page") return said === "webgl";
     const asked = { failIfMajorPerformanceCaveat: true };
     const canvas = document.createElement("canvas");
     const gl = canvas.getContext("webgl2", asked) as WebGL2RenderingContext | null;
     if (!gl) return false;
+    // Browsers say it, or by which name they draw themselves.
     const facts = gl.getExtension("WEBGL_debug_renderer_info");
     const name = String(gl.getParameter(facts?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER));
-    // There may be few contexts at a time.
     gl.getExtension("WEBGL_lose_context")?.loseContext();
     return !/swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
   })();
   return known;
-}
-
-function link(gl: WebGL2RenderingContext): WebGLProgram {
-  const program = gl.createProgram()!;
-  for (const [kind, text] of [
-    [gl.VERTEX_SHADER, vertexShader],
-    [gl.FRAGMENT_SHADER, fragmentShader],
-  ] as const) {
-    const shader = gl.createShader(kind)!;
-    gl.shaderSource(shader, text);
-    gl.compileShader(shader);
-    gl.attachShader(program, shader);
-  }
-  gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) {
-    throw new Error(gl.getProgramInfoLog(program) ?? "no shaders");
-  }
-  return program;
-}
-
-/** The corners of these triangles in this order; empty: of all, as they are numbered. */
-function ordered(triangles: Uint32Array, order: ArrayLike<number>): Uint32Array {
-  if (order.length === 0) return triangles;
-  const corners = new Uint32Array(3 * order.length);
-  for (let i = 0; i < order.length; ++i) {
-    for (let k = 0; k < 3; ++k) corners[3 * i + k] = triangles[3 * order[i] + k];
-  }
-  return corners;
-}
-
-function edgesOf(triangles: Uint32Array): Uint32Array {
-  const edges = new Map<string, [number, number]>();
-  for (let i = 0; i < triangles.length; i += 3) {
-    for (let k = 0; k < 3; ++k) {
-      const [a, b] = [triangles[i + k], triangles[i + ((k + 1) % 3)]];
-      edges.set(`${Math.min(a, b)},${Math.max(a, b)}`, [a, b]);
-    }
-  }
-  return Uint32Array.from([...edges.values()].flat());
 }

@@ -9,10 +9,11 @@ import { h } from "../ui/dom.js";
 import { words } from "../words.js";
 import { fit, moved, toFigure, toView, zoomed } from "./camera.js";
 import type { Camera } from "./camera.js";
-import { Painter } from "./painter.js";
+import { painterOf } from "./painter.js";
 import { Detail } from "./detail.js";
 import { layersOf } from "./layers.js";
 import { PinLayer, gripReach } from "./pin_layer.js";
+import type { Painter } from "./scene.js";
 
 const toolsHeight = 48; // of the stage, from above
 
@@ -74,13 +75,18 @@ export class Stage {
       keys,
       pinKeys,
     );
-    this.#painter = new Painter(this.#canvas);
+    this.#painter = painterOf(this.#canvas);
     this.#detail = new Detail(this.#canvas, () => this.ask());
     this.#listen();
     new ResizeObserver(() => this.#resize()).observe(this.element);
     studio.onShape = () => this.ask();
     studio.listen(() => this.ask());
     takes.listen(() => this.ask());
+  }
+
+  /** A graphics processor draws. */
+  get isFast(): boolean {
+    return this.#painter.isFast;
   }
 
   /** Draws with the next picture of the browser. */
@@ -126,7 +132,7 @@ export class Stage {
     if (!figure || !body || width === 0) return;
     if (figure.canvas !== this.#figure) {
       this.#figure = figure.canvas;
-      this.#painter.picture(figure.canvas, figure.canvas.width, figure.canvas.height);
+      this.#painter.picture(figure.canvas);
       this.#fitted = true;
     }
     if (this.#fitted) {
@@ -171,6 +177,7 @@ export class Stage {
         },
         this.#canvas.width / width,
       );
+      this.#detail.took(performance.now() - began);
     }
     const pins = filmed ? this.#pinsOf(film, frame) : puppet.pins;
     this.#layer.place(pins, this.#studio.looks.chosen, (x, y) =>

@@ -56,8 +56,9 @@ export async function openPatterns(
   stack: Stack,
   options: BrowserContextOptions = {},
   before = "",
+  search = "",
 ): Promise<Patterns> {
-  const [page, faults] = await stack.watched(options, "flatten.html", before);
+  const [page, faults] = await stack.watched(options, `flatten.html${search}`, before);
   const patterns = new Patterns(page, faults);
   await patterns.until("document.querySelector('#model') !== null");
   await patterns.settle();

@@ -156,8 +156,8 @@ export class Stack {
   }
 
   /** A page with the first puppet live. */
-  async open(options: BrowserContextOptions = {}): Promise<Studio> {
-    const [page, faults] = await this.watched(options);
+  async open(options: BrowserContextOptions = {}, path = ""): Promise<Studio> {
+    const [page, faults] = await this.watched(options, path);
     const studio = new Studio(page, faults);
     // What the page says is told with what never comes.
     await page.evaluate("window.said = [], studio.onSay((text) => said.push(text))");
