@@ -1,11 +1,11 @@
 // What the page does: the document with its history, and the stream that follows it.
+import { Desk } from "./desk.js";
 import { bodyOf, spread } from "./meshing.js";
 import type { MeshFacts } from "./meshing.js";
 import { figureOf } from "./model/figure.js";
 import type { Figure } from "./model/figure.js";
 import { nearestHold, placeOf } from "./model/geometry.js";
 import type { Hold } from "./model/geometry.js";
-import { History } from "./model/history.js";
 import { defaultLooks } from "./model/looks.js";
 import type { Looks } from "./model/looks.js";
 import {
@@ -29,8 +29,7 @@ import { words } from "./words.js";
 
 const none: readonly number[] = [];
 
-export class Studio {
-  readonly history = new History<Puppet>(emptyPuppet(0));
+export class Studio extends Desk<Puppet> {
   readonly figures: Figure[] = [];
   readonly session = new Session();
   readonly meter = new Meter();
@@ -47,8 +46,6 @@ export class Studio {
   pendingCut: Cut | null = null;
   readonly #facts = new WeakMap<Body, MeshFacts>();
   readonly #live: Live;
-  readonly #listeners = new Set<() => void>();
-  readonly #speakers = new Set<(text: string, urgent: boolean) => void>();
   #moving = 0;
   #gesture = 0;
   #making = 0;
@@ -57,13 +54,14 @@ export class Studio {
   #lastTrail = 0;
 
   constructor() {
+    super(emptyPuppet(0));
     this.#live = new Live(this.session, {
       connection: (state, problem) => {
         this.connection = state;
         if (state === "lost" && problem && !problem.passes && problem.status !== 404) {
           this.say(words.wentWrong(problem.message), true);
         }
-        this.#changed();
+        this.changed();
       },
       shape: (shape, after) => {
         const { facts } = shape;
@@ -121,19 +119,9 @@ export class Studio {
     return this.puppet.pins.find((pin) => pin.id === this.looks.chosen);
   }
 
-  listen(listener: () => void): void {
-    this.#listeners.add(listener);
-  }
-  onSay(speaker: (text: string, urgent: boolean) => void): void {
-    this.#speakers.add(speaker);
-  }
-  say(text: string, urgent = false): void {
-    for (const speaker of this.#speakers) speaker(text, urgent);
-  }
-
   look(looks: Partial<Looks>): void {
     this.looks = { ...this.looks, ...looks };
-    this.#changed();
+    this.changed();
   }
 
   async openSample(index: number): Promise<void> {
@@ -174,7 +162,7 @@ export class Studio {
     const figure = this.figures[wanted.figure];
     this.working = true;
     this.pendingCut = wanted.cut;
-    this.#changed();
+    this.changed();
     try {
       const meshed = await bodyOf(figure, wanted.cut);
       if (making !== this.#making) return;
@@ -210,7 +198,7 @@ export class Studio {
       if (making === this.#making) {
         this.working = false;
         this.pendingCut = null;
-        this.#changed();
+        this.changed();
       }
     }
   }
@@ -326,34 +314,22 @@ export class Studio {
     this.#go({ ...this.puppet, starch: null }, words.steps.wash);
   }
 
-  undo(): void {
-    const what = this.history.undoable;
-    if (!this.history.undo()) return;
-    this.say(words.said.undone(what!));
-    this.#jumped();
-  }
-  redo(): void {
-    const what = this.history.redoable;
-    if (!this.history.redo()) return;
-    this.say(words.said.redone(what!));
-    this.#jumped();
-  }
   /** A step made elsewhere: of the take, say. */
   step(puppet: Puppet, label: string, key = ""): void {
     this.#do(puppet, label, key);
   }
 
-  #jumped(): void {
+  protected override jumped(): void {
     ++this.#making;
     this.working = false;
     this.pendingCut = null;
     this.#follow();
-    this.#changed();
+    this.changed();
   }
 
   #do(puppet: Puppet, label: string, key = ""): void {
     this.history.do(puppet, label, key);
-    this.#changed();
+    this.changed();
   }
 
   #shown: Body | null = null;
@@ -390,9 +366,5 @@ export class Studio {
     if (this.#newestPointer === undefined) return;
     this.meter.lag.add(performance.now() - this.#newestPointer);
     this.#newestPointer = undefined;
-  }
-
-  #changed(): void {
-    for (const listener of this.#listeners) listener();
   }
 }

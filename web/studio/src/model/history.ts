@@ -50,21 +50,22 @@ export class History<T> {
     this.#present = document;
   }
 
-  undo(): boolean {
+  /** Gives what it has taken back, or nothing. */
+  undo(): string | undefined {
     const step = this.#past.pop();
-    if (!step) return false;
+    if (!step) return undefined;
     this.#future.push({ document: this.#present, label: step.label });
     this.#present = step.document;
     this.#key = "";
-    return true;
+    return step.label;
   }
 
-  redo(): boolean {
+  redo(): string | undefined {
     const step = this.#future.pop();
-    if (!step) return false;
+    if (!step) return undefined;
     this.#past.push({ document: this.#present, label: step.label });
     this.#present = step.document;
     this.#key = "";
-    return true;
+    return step.label;
   }
 }
