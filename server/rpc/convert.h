@@ -31,14 +31,12 @@ class FlattenRequest;
 class HandleSetInfo;
 class Job;
 class Session;
-class StreamDeformRequest;
 }  // namespace arap::v1
 namespace arap::app {
 struct HandleSetEntry;
 class LiveSet;
 struct JobView;
 struct MeshEntry;
-struct StreamMessage;
 }  // namespace arap::app
 
 namespace arap::rpc {
@@ -70,10 +68,6 @@ void ToWire(const app::HandleSetEntry& entry, v1::HandleSetInfo* out);
 // Targets; the ids point into `targets`.
 std::vector<app::NamedTarget> FromWire(
     const google::protobuf::RepeatedPtrField<v1::HandleTarget>& targets);
-
-// A message of a stream as its policy sees it; what it points to stays in `request`. Of one that is
-// too large its length alone.
-app::StreamMessage FromWire(const v1::StreamDeformRequest& request, const Limits& limits);
 
 // The targets of a frame of a track in the order of the set; `order` is the set index of each
 // column. kArrayLength and the faults of CheckTarget, with fields under "frames[frame]".

@@ -32,10 +32,44 @@ struct Answer final : app::WireAnswer {
   v1::StreamDeformResponse message;
 };
 
+// The policy's view of a message: what it points to stays in `request`.
+app::StreamMessage View(const v1::StreamDeformRequest& request, const Limits& limits) {
+  using Request = v1::StreamDeformRequest;
+  app::StreamMessage out;
+  out.bytes = request.ByteSizeLong();
+  if (out.bytes > limits.max_message_bytes) return out;
+  switch (request.payload_case()) {
+    case Request::kOpen:
+      out.payload = app::StreamMessage::Open{};
+      break;
+    case Request::kUpdate: {
+      const v1::HandleUpdate& update = request.update();
+      out.payload = app::StreamMessage::Update{
+          update.sequence(), FromWire(update.targets()),
+          std::span(update.positions().data(), static_cast<std::size_t>(update.positions_size())),
+          PicksFromWire(update.pick_points())};
+      break;
+    }
+    case Request::kEdit: {
+      const auto& add = request.edit().add();
+      out.payload = app::StreamMessage::Edit{
+          request.edit().sequence(), static_cast<std::size_t>(add.size()),
+          std::any_of(add.begin(), add.end(),
+                      [](const v1::Handle& handle) { return handle.area_radius() != 0; })};
+      break;
+    }
+    case Request::kPing:
+      out.payload = app::StreamMessage::Ping{request.ping().nonce()};
+      break;
+    case Request::PAYLOAD_NOT_SET:
+      break;
+  }
+  return out;
+}
+
 // Reactions, jobs, End and Sweep may run in parallel. Each tells the policy what has happened and
 // pumps: does what the policy says next. Jobs and drains hold a shared pointer, so that nothing is
-// deleted under them. A small frame is computed in the reaction that has made it due, when its lane
-// gives leave (WorkerPool::TryVisit): gRPC does not call OnDone before a reaction has returned.
+// deleted under them.
 class StreamReactor final
     : public grpc::ServerBidiReactor<v1::StreamDeformRequest, v1::StreamDeformResponse>,
       public app::LongCall,
@@ -77,28 +111,15 @@ class StreamReactor final
   }
 
   void OnReadDone(bool ok) override {
-    Visit visit;
-    {
-      const MutexLock lock(&mutex_);
-      ok ? Read() : policy_.HalfClosed();
-      Pump(&visit);
-    }
-    if (visit) RunUpdate();
+    const MutexLock lock(&mutex_);
+    ok ? Read() : policy_.HalfClosed();
+    Pump();
   }
 
   void OnWriteDone(bool ok) override {
-    Visit visit;
-    {
-      const MutexLock lock(&mutex_);
-      // The next frame is written into what this one has left.
-      if (outgoing_->message.has_shape()) {
-        outgoing_->message.mutable_shape()->Clear();
-        spare_ = std::move(outgoing_);
-      }
-      policy_.Written(ok);
-      Pump(&visit);
-    }
-    if (visit) RunUpdate();
+    const MutexLock lock(&mutex_);
+    policy_.Written(ok);
+    Pump();
   }
 
   void OnCancel() override {
@@ -134,8 +155,6 @@ class StreamReactor final
   }
 
  private:
-  using Visit = runtime::WorkerPool::Visit;
-
   runtime::Clock::Steady Now() const { return engine_.clock.SteadyNow(); }
 
   // The memory of a message counts until the next one is read.
@@ -146,31 +165,25 @@ class StreamReactor final
     } else {
       policy_.End(std::move(room.error()));
     }
-    policy_.MessageRead(FromWire(incoming_, engine_.limits));
+    policy_.MessageRead(View(incoming_, engine_.limits));
   }
 
-  // With `visit` the caller may become the one who computes the next frame: if it is set, it has to
-  // call RunUpdate without the lock.
-  void Pump(Visit* visit = nullptr) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+  void Pump() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     for (;;) {
       app::StreamStep step = policy_.Next();
       if (std::holds_alternative<app::StreamRead>(step)) {
-        read_due_ = true;
+        StartRead(&incoming_);
       } else if (auto* job = std::get_if<app::StreamJob>(&step)) {
-        StartJob(std::move(*job), visit);
+        StartJob(std::move(*job));
       } else if (auto* write = std::get_if<app::StreamWrite>(&step)) {
         Write(std::move(write->answer));
       } else if (auto* finish = std::get_if<app::StreamFinish>(&step)) {
         end_status_ = std::move(finish->status);
-        read_due_ = false;
         Finish(end_status_ ? grpc::Status::OK : convert::ToGrpcStatus(end_status_.error()));
       } else {
-        break;
+        return;
       }
     }
-    // Behind the rest: it takes gRPC some 10 µs, and nobody waits for it.
-    const bool computes = visit != nullptr && *visit;
-    if (!computes && std::exchange(read_due_, false)) StartRead(&incoming_);
   }
 
   void Write(app::StreamAnswer answer) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
@@ -192,7 +205,7 @@ class StreamReactor final
     StartWrite(&message);
   }
 
-  void StartJob(app::StreamJob job, Visit* visit) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+  void StartJob(app::StreamJob job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     using Work = app::StreamJob::Work;
     job_ = std::move(job);
     void (StreamReactor::*run)() = &StreamReactor::RunUpdate;
@@ -204,19 +217,7 @@ class StreamReactor final
       run = &StreamReactor::RunEdit;
       edit_ = std::move(*incoming_.mutable_edit());
     }
-    if (job_.work == Work::kUpdate) {
-      answer_ = std::move(spare_);
-      if (visit != nullptr && job_.lane == app::StreamJob::Lane::kFrames &&
-          (*visit = engine_.interactive.TryVisit(Turn()))) {
-        return;
-      }
-    }
     if (!Post(job_.lane, run)) policy_.NoRoom();
-  }
-
-  // Every stream has its own turn among those of its owner.
-  runtime::Share Turn() const {
-    return {caller_.owner, reinterpret_cast<std::uintptr_t>(this), job_.seconds};
   }
 
   bool Post(app::StreamJob::Lane lane, void (StreamReactor::*job)()) {
@@ -228,7 +229,9 @@ class StreamReactor final
     const bool goes_on = lane == Lane::kFrames ||
                          (lane == Lane::kJobs && job_.work == app::StreamJob::Work::kUpdate);
     auto run = [self = shared_from_this(), job] { (self.get()->*job)(); };
-    return goes_on ? pool.Continue(std::move(run), Turn()) : pool.TryPost(std::move(run), Turn());
+    // Every stream has its own turn among those of its owner.
+    const runtime::Share share{caller_.owner, reinterpret_cast<std::uintptr_t>(this), job_.seconds};
+    return goes_on ? pool.Continue(std::move(run), share) : pool.TryPost(std::move(run), share);
   }
 
   // The bodies of the jobs, without mutex_.
@@ -303,7 +306,7 @@ class StreamReactor final
     const double queue_micros = job_.waiting.Micros();
     const runtime::WallTimer working;
     CpuTimer processor;
-    auto answer = answer_ ? std::move(answer_) : std::make_unique<Answer>();
+    auto answer = std::make_unique<Answer>();
     const CancelToken cancel = CancelTokenOf(context_);
     const Status made = OrOutOfMemory([&]() -> Status {
       TRY(const auto quality, live_->Move(job_.targets, options_.deform, engine_.metrics, cancel));
@@ -360,18 +363,13 @@ class StreamReactor final
   app::StreamPolicy policy_ ABSL_GUARDED_BY(mutex_);
   // gRPC's while it reads and writes.
   v1::StreamDeformRequest incoming_ ABSL_GUARDED_BY(mutex_);
-  bool read_due_ ABSL_GUARDED_BY(mutex_) = false;  // the next message is to be read into it
   std::unique_ptr<Answer> outgoing_ ABSL_GUARDED_BY(mutex_);
-  // With a cleared shape that has kept its memory, or none. Those that are computed, wait and are
-  // written are never more than three, with this one among them (LiveSet::BytesOf).
-  std::unique_ptr<Answer> spare_ ABSL_GUARDED_BY(mutex_);
   RpcLog log_ ABSL_GUARDED_BY(mutex_);
   Status end_status_ ABSL_GUARDED_BY(mutex_);
   app::DerivedCache::Reservation message_room_ ABSL_GUARDED_BY(mutex_);
 
   // The running job's own; when none runs, of whoever holds mutex_.
   app::StreamJob job_;
-  std::unique_ptr<Answer> answer_;  // kUpdate: to be filled, or none
   v1::OpenStream open_;
   v1::HandleEdit edit_;
   std::shared_ptr<app::Session> session_;

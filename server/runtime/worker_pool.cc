@@ -19,10 +19,6 @@ PoolOptions WithThread(PoolOptions options) {
   return options;
 }
 
-// Whatever a thread begins to do sooner after a visit was waiting behind it.
-constexpr std::chrono::microseconds kBreath{30};
-thread_local steady_clock::time_point last_visit{};
-
 void NameThread(const std::string& name) {
   constexpr std::size_t kLongestName = 15;
   pthread_setname_np(pthread_self(), name.substr(0, kLongestName).c_str());
@@ -62,7 +58,7 @@ WorkerPool::WorkerPool(PoolOptions options)
   const std::size_t all = threads() + options_.aside;
   {
     const MutexLock lock(&mutex_);
-    jobs_.resize(all + options_.visitors);
+    jobs_.resize(all);
   }
   const MutexLock joining(&join_mutex_);
   threads_.reserve(all);
@@ -124,7 +120,7 @@ PoolStats WorkerPool::stats() const {
   const Time now = steady_clock::now();
   PoolStats stats;
   stats.waiting = queue_.size();
-  stats.running = running_ + visitors_;
+  stats.running = running_;
   stats.completed = completed_;
   stats.gave_way = gave_way_;
   stats.busy = busy_;
@@ -148,11 +144,6 @@ bool WorkerPool::HasShortPlaceLocked() const {
   return std::any_of(jobs_.begin(), jobs_.end(), [&](const std::optional<Running>& job) {
     return job && (job->seconds > longest.count() || now - job->since > longest);
   });
-}
-
-bool WorkerPool::OwnerRunsLocked(const std::string& owner) const {
-  return std::any_of(jobs_.begin(), jobs_.end(),
-                     [&](const std::optional<Running>& job) { return job && job->owner == owner; });
 }
 
 bool WorkerPool::HasFreeThread() const { return HasPlaceLocked() && queue_.empty(); }
@@ -202,7 +193,7 @@ std::optional<WorkerPool::Queue::Entry> WorkerPool::Take(Worker& worker) {
   --idle_;
   if (!next) return next;
   const Time now = steady_clock::now();
-  jobs_[worker.thread] = Running{now, next->share.seconds, next->share.owner};
+  jobs_[worker.thread] = Running{now, next->share.seconds};
   worker.share = next->share;
   worker.since = next->since;
   worker.turn = worker.clock = now;
@@ -230,61 +221,19 @@ void WorkerPool::LeaveLocked(Place place) {
   if (place == Place::kShort) --running_short_;
 }
 
-void WorkerPool::NoteEndLocked(Worker& worker) {
-  ChargeLocked(worker);
-  last_finish_ = worker.clock;
-  busy_ += last_finish_ - std::exchange(jobs_[worker.thread], std::nullopt)->since;
-  ++completed_;
-}
-
 void WorkerPool::Finished(Worker& worker) {
   {
     const MutexLock lock(&mutex_);
-    NoteEndLocked(worker);
+    ChargeLocked(worker);
     LeaveLocked(worker.place);
+    last_finish_ = steady_clock::now();
+    busy_ += last_finish_ - std::exchange(jobs_[worker.thread], std::nullopt)->since;
+    ++completed_;
     // Those that wait for the last job to end.
     if (stopped_) wake_.SignalAll();
     if (!HasFreeThread()) return;
   }
   free_.SignalAll();
-}
-
-WorkerPool::Visit WorkerPool::TryVisit(Share share) {
-  if (options_.visitors == 0 || share.seconds > options_.visit_seconds) return nullptr;
-  const Time now = steady_clock::now();
-  if (now - last_visit < kBreath) return nullptr;
-  auto worker = std::make_unique<Worker>(Worker{*this, 0});
-  worker->share = std::move(share);
-  worker->since = worker->turn = worker->clock = now;
-  worker->paid = Queue::Paid(worker->share);
-  {
-    const MutexLock lock(&mutex_);
-    const std::string& owner = worker->share.owner;
-    if (stopped_ || visitors_ == options_.visitors || !queue_.WouldBeNext(owner)) return nullptr;
-    if (!HasPlaceLocked() && !HasShortPlaceLocked() && OwnerRunsLocked(owner)) return nullptr;
-    ++visitors_;
-    // It comes and is taken, as everybody's job.
-    queue_.Push({worker->share, now, {}}, false);
-    queue_.Pop();
-    const std::size_t workers = jobs_.size() - options_.visitors;
-    worker->thread = workers;
-    while (jobs_[worker->thread]) ++worker->thread;
-    jobs_[worker->thread] = Running{now, worker->share.seconds, owner};
-  }
-  if (options_.metrics != nullptr) options_.metrics->Queue(options_.name, 0);
-  return Visit(worker.release());
-}
-
-void WorkerPool::EndVisit(Worker& worker) {
-  const MutexLock lock(&mutex_);
-  NoteEndLocked(worker);
-  --visitors_;
-  last_visit = worker.clock;
-}
-
-void WorkerPool::EndOfVisit::operator()(Worker* worker) const {
-  worker->pool.EndVisit(*worker);
-  delete worker;
 }
 
 void WorkerPool::TakeTurns(Worker& worker) {
@@ -309,7 +258,7 @@ void WorkerPool::TakeTurns(Worker& worker) {
   worker.place = aside.place;
   worker.paid += Queue::Paid(worker.share);
   worker.turn = worker.clock = steady_clock::now();
-  jobs_[worker.thread] = Running{worker.turn, worker.share.seconds, worker.share.owner};
+  jobs_[worker.thread] = Running{worker.turn, worker.share.seconds};
 }
 
 void WorkerPool::GiveWayTo(WorkerPool& others, Worker& worker) {

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -33,10 +32,6 @@ struct PoolOptions {
   std::size_t aside = 0;
   // Jobs wait for something else: owners share the time that passes and not the processor's.
   bool waits = false;
-  // So many threads that are none of the pool's may run a job at once, see TryVisit, which is
-  // expected to take at most so long.
-  std::size_t visitors = 0;
-  double visit_seconds = 0;
   // Of the processor, see SetTimeSlice; 0: as whoever makes the pool.
   std::chrono::microseconds turns{0};
 };
@@ -66,15 +61,8 @@ struct PoolStats {
 // Thread-safe. Every accepted job runs exactly once, also when the pool is stopped meanwhile. A job
 // must not throw and must not wait for another job of its pool.
 class WorkerPool {
-  struct Worker;
-  struct EndOfVisit {
-    void operator()(Worker* worker) const;
-  };
-
  public:
   using Job = std::function<void()>;
-  // While it is there, its thread runs a job. It goes in the same thread, and before the pool.
-  using Visit = std::unique_ptr<Worker, EndOfVisit>;
   // What a newcomer would find, see FairQueue.
   struct Outlook {
     std::size_t place = 0;
@@ -96,13 +84,6 @@ class WorkerPool {
   // The next piece of work that was accepted before, a frame of a stream or a track: not refused for
   // a full queue. Who uses it keeps at most one such job waiting. False only after Stop.
   [[nodiscard]] bool Continue(Job job, Share share = {});
-
-  // Leave to run a short job at once in the thread that asks, so that nobody has to be woken for
-  // it. It counts as a job in every way, and changes nobody's turn: there is leave only when the job
-  // would be the next to be taken, and there is a place for it or its owner has no other running.
-  // The places of the workers stay theirs. A thread has no leave right after a visit: what it does
-  // then was waiting behind that, and more may be waiting.
-  [[nodiscard]] Visit TryVisit(Share share);
 
   // What another job of this owner would find now.
   Outlook OutlookOf(const std::string& owner) const;
@@ -138,8 +119,8 @@ class WorkerPool {
   struct Running {
     Time since;
     double seconds = 0;  // that it is expected to take
-    std::string owner;
   };
+  struct Worker;
 
   bool Post(Job job, Share share, bool counted);
   void Run(std::size_t thread);
@@ -148,11 +129,7 @@ class WorkerPool {
   std::optional<Queue::Entry> NextLocked(Worker& worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool HasPlaceLocked() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool HasShortPlaceLocked() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  bool OwnerRunsLocked(const std::string& owner) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Finished(Worker& worker);
-  void EndVisit(Worker& worker);
-  // Its job has ended.
-  void NoteEndLocked(Worker& worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // What the job has taken since this was last asked, and counts it.
   void ChargeLocked(Worker& worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void LeaveLocked(Place place) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -168,12 +145,11 @@ class WorkerPool {
   mutable CondVar free_;
   Queue queue_ ABSL_GUARDED_BY(mutex_);
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
-  // By thread, then of visitors.
+  // By thread.
   std::vector<std::optional<Running>> jobs_ ABSL_GUARDED_BY(mutex_);
   std::size_t idle_ ABSL_GUARDED_BY(mutex_) = 0;           // threads without a job
   std::size_t running_ ABSL_GUARDED_BY(mutex_) = 0;        // jobs, those aside left out
   std::size_t running_short_ ABSL_GUARDED_BY(mutex_) = 0;  // of these, in the place of short ones
-  std::size_t visitors_ ABSL_GUARDED_BY(mutex_) = 0;
   std::uint64_t completed_ ABSL_GUARDED_BY(mutex_) = 0;
   std::uint64_t gave_way_ ABSL_GUARDED_BY(mutex_) = 0;
   // Of the jobs that have ended.

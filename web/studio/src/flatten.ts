@@ -139,7 +139,7 @@ async function modelView(shop: Workshop, figure: HTMLElement): Promise<ModelView
       h(
         "div",
         { class: "view model", id: "model", tabindex: -1 },
-        h("p", { class: "nothing" }, flat.noWebGL),
+        h("p", { class: "nothing" }, flat.noModel),
       ),
     );
     return null;
@@ -202,7 +202,10 @@ function footer(shop: Workshop): { element: HTMLElement; sync(): void } {
           : layout
             ? flat.under.triangle(
                 triangle,
-                layout.pieceOf[triangle] + 1,
+                flat.piece(
+                  layout.pieceOf[triangle] + 1,
+                  layout.pieces[layout.pieceOf[triangle]].name,
+                ),
                 flat.percent(layout.principal[2 * triangle]),
                 flat.percent(layout.principal[2 * triangle + 1]),
               )

@@ -175,9 +175,10 @@ export function layoutTab(shop: Workshop): Tab {
   const grains = h("div", { class: "details", "data-list": "grains" });
   const noGrains = h("p", { class: "hint" }, flat.noGrains);
   let angles: { sync(): void } = { sync() {} };
-  const pieceOf = (grain: Grain): number => {
+  const pieceOf = (grain: Grain): string => {
     const corner = shop.surface!.triangles.indexOf(grain.from);
-    return (shop.layout?.pieceOf[Math.floor(corner / 3)] ?? 0) + 1;
+    const piece = shop.layout?.pieceOf[Math.floor(corner / 3)] ?? 0;
+    return flat.piece(piece + 1, shop.layout?.pieces[piece]?.name ?? "");
   };
   function grainFields(): HTMLElement[] {
     const made = shop.pattern.grains.map((grain, i) => {

@@ -2,9 +2,13 @@
 import type { Answer, Distortion } from "./net.js";
 import type { Method } from "./pattern.js";
 import { strainOf } from "./strain.js";
-import type { Edges, Surface } from "./surface.js";
+import type { Edges, NamedPart, Surface } from "./surface.js";
 
 export interface Piece {
+  /** Of the object or group that most of it is from; empty: none. Pieces of one name are numbered. */
+  name: string;
+  /** Within it, for what is written on it. */
+  middle: readonly [u: number, v: number];
   triangles: number;
   distortion: Distortion;
   /** Of the flat piece, in units of the surface, along u and v. */
@@ -37,14 +41,13 @@ export interface Layout {
   warnings: string[];
 }
 
-function areaOf(surface: Surface, triangle: number): number {
-  const { vertices, triangles } = surface;
-  const at = [0, 1, 2].map((k) => 3 * triangles[3 * triangle + k]);
-  const side = (k: number): number[] =>
-    [0, 1, 2].map((axis) => vertices[at[k] + axis] - vertices[at[0] + axis]);
-  const [a, b] = [side(1), side(2)];
-  const cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-  return Math.hypot(...cross) / 2;
+function areaOf({ vertices, triangles }: Surface, triangle: number): number {
+  const [a, b, c] = triangles.subarray(3 * triangle, 3 * triangle + 3);
+  const side = (to: number, axis: number): number =>
+    vertices[3 * to + axis] - vertices[3 * a + axis];
+  const [x, y, z] = [side(b, 0), side(b, 1), side(b, 2)];
+  const [u, v, w] = [side(c, 0), side(c, 1), side(c, 2)];
+  return Math.hypot(y * w - z * v, z * u - x * w, x * v - y * u) / 2;
 }
 
 export function layoutOf(answer: Answer, method: Method, surface: Surface, edges: Edges): Layout {
@@ -76,6 +79,8 @@ export function layoutOf(answer: Answer, method: Method, surface: Surface, edges
     areas[pieceOf[t]][0] += Math.abs(twice) / 2;
     areas[pieceOf[t]][1] += areaOf(surface, t);
   }
+  const names = namesOf(pieceOf, boxes.length, surface.parts);
+  const middles = middlesOf(uv, cornerUv, pieceOf, boxes);
   return {
     method,
     uv,
@@ -83,6 +88,8 @@ export function layoutOf(answer: Answer, method: Method, surface: Surface, edges
     cornerUv,
     pieceOf,
     pieces: answer.charts.map(({ triangleCount, distortion }, i) => ({
+      name: names[i],
+      middle: middles[i],
       triangles: triangleCount,
       distortion,
       left: boxes[i][0],
@@ -100,6 +107,65 @@ export function layoutOf(answer: Answer, method: Method, surface: Surface, edges
     overlaps: answer.boundaryOverlaps,
     warnings: answer.warnings.map(({ message }) => message),
   };
+}
+
+/** The names of pieces, as the server's drawings have them. */
+export function namesOf(
+  pieceOf: ArrayLike<number>,
+  pieces: number,
+  parts: readonly NamedPart[],
+): string[] {
+  const known = [...new Set(["", ...parts.map(({ name }) => name ?? "")])];
+  const numbers = parts.map(({ name }) => known.indexOf(name ?? ""));
+  const votes = Array.from({ length: pieces }, () => new Map<number, number>());
+  let part = -1;
+  for (let t = 0; t < pieceOf.length; ++t) {
+    while (part + 1 < parts.length && parts[part + 1].firstTriangle <= t) ++part;
+    const number = part < 0 ? 0 : numbers[part];
+    const votesOf = votes[pieceOf[t]];
+    votesOf.set(number, (votesOf.get(number) ?? 0) + 1);
+  }
+  // Of equals the one that comes first in the file.
+  const elected = votes.map((one) => {
+    const [best] = [...one].sort((a, b) => b[1] - a[1] || a[0] - b[0]);
+    return best ? known[best[0]] : "";
+  });
+  const counts = new Map<string, number>();
+  for (const name of elected) counts.set(name, (counts.get(name) ?? 0) + 1);
+  const alone = (name: string): boolean => name !== "" && counts.get(name) === 1;
+  const taken = new Set(elected.filter(alone));
+  const last = new Map<string, number>();
+  return elected.map((name) => {
+    if (name === "" || alone(name)) return name;
+    let own: string;
+    do {
+      last.set(name, (last.get(name) ?? 0) + 1);
+      own = `${name} ${last.get(name)}`;
+    } while (taken.has(own));
+    taken.add(own);
+    return own;
+  });
+}
+
+// The middle of the triangle that is nearest to the middle of each piece's box.
+function middlesOf(
+  uv: Float64Array,
+  cornerUv: Uint32Array,
+  pieceOf: Uint32Array,
+  boxes: readonly number[][],
+): [number, number][] {
+  const middles: [number, number][] = boxes.map(() => [0, 0]);
+  const least = boxes.map(() => Infinity);
+  for (let t = 0; t < pieceOf.length; ++t) {
+    const [a, b, c] = [2 * cornerUv[3 * t], 2 * cornerUv[3 * t + 1], 2 * cornerUv[3 * t + 2]];
+    const [u, v] = [(uv[a] + uv[b] + uv[c]) / 3, (uv[a + 1] + uv[b + 1] + uv[c + 1]) / 3];
+    const [left, bottom, right, top] = boxes[pieceOf[t]];
+    const far = Math.hypot(u - (left + right) / 2, v - (bottom + top) / 2);
+    if (far >= least[pieceOf[t]]) continue;
+    least[pieceOf[t]] = far;
+    middles[pieceOf[t]] = [u, v];
+  }
+  return middles;
 }
 
 function autoCutsOf(answer: Answer, edges: Edges): number[] {

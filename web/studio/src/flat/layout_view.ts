@@ -3,20 +3,23 @@ import { boxOf } from "../model/geometry.js";
 import { h } from "../ui/dom.js";
 import { fit, toFigure, toView } from "../view/camera.js";
 import type { Camera } from "../view/camera.js";
+import { Raster, packed } from "../view/raster.js";
 import { words } from "../words.js";
 import { listenToKeys } from "./keys.js";
 import { copiesOf, flatOf } from "./layout.js";
 import type { Layout } from "./layout.js";
+import { LayoutFacts, coloursOf, nextCorner } from "./layout_facts.js";
+import { drawGrain, drawName, drawScale } from "./layout_ink.js";
 import { mark, paletteOf } from "./palette.js";
 import { PinButtons } from "./pin_buttons.js";
-import { colourOf, cssOf, shadeOf, shades } from "./strain.js";
-import { hitBeside, isBorder } from "./surface.js";
+import { clickReach, hitBeside } from "./surface.js";
 import type { Hit } from "./surface.js";
 import type { Workshop } from "./workshop.js";
 
 type Point = readonly [number, number];
-const clickReach = 5; // pixels that a click may slip
-const mostInner = 60_000; // triangles whose edges are shown, and found beside them
+const slip = 5; // pixels that a click may slip
+const leastEdge = 3; // pixels that edges inside are long at least where they are shown
+const innerInk = packed(8, 10, 13, 71); // as dark as 28 % of ink
 
 export class LayoutView {
   readonly element: HTMLElement;
@@ -31,6 +34,8 @@ export class LayoutView {
   #fitted = true;
   #size = { width: 0, height: 0 };
   #drawn: unknown[] = [];
+  #raster = new Raster(1, 1);
+  #facts: LayoutFacts | undefined;
 
   /** `index` 0: of the method, with pins; 1: of the one beside it. */
   constructor(shop: Workshop, index: number) {
@@ -92,24 +97,13 @@ export class LayoutView {
   #hitAt(x: number, y: number): Hit | null {
     const { layout } = this;
     if (!layout) return null;
-    const { uv, cornerUv } = layout;
-    const [px, py] = toFigure(this.#camera, this.#size.width, this.#size.height, x, y);
-    for (let t = 0; 3 * t < cornerUv.length; ++t) {
-      const [a, b, c] = [2 * cornerUv[3 * t], 2 * cornerUv[3 * t + 1], 2 * cornerUv[3 * t + 2]];
-      const [ax, ay, bx, by, cx, cy] = [uv[a], uv[a + 1], uv[b], uv[b + 1], uv[c], uv[c + 1]];
-      const area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay);
-      if (area === 0) continue;
-      const wb = ((px - ax) * (cy - ay) - (cx - ax) * (py - ay)) / area;
-      const wc = ((bx - ax) * (py - ay) - (px - ax) * (by - ay)) / area;
-      if (wb >= 0 && wc >= 0 && wb + wc <= 1)
-        return { triangle: t, weights: [1 - wb - wc, wb, wc] };
-    }
-    if (this.#shop.looks.tool === "look" || cornerUv.length > 3 * mostInner) return null;
-    const seen = (_: number, corner: number): [number, number, number] => [
-      ...this.#flat(cornerUv[corner]),
-      0,
-    ];
-    return hitBeside(this.#shop.surface!, seen, x, y);
+    const { cornerUv } = layout;
+    const at = toFigure(this.#camera, this.#size.width, this.#size.height, x, y);
+    const bins = this.#known(layout).bins();
+    const [hit] = bins.at(...at);
+    if (hit || this.#shop.looks.tool === "look") return hit ?? null;
+    const seen = (corner: number): [number, number, number] => [...this.#flat(cornerUv[corner]), 0];
+    return hitBeside(bins.near(...at, clickReach / this.#camera.zoom), seen, x, y);
   }
 
   // ---- pointers and keys
@@ -152,7 +146,7 @@ export class LayoutView {
 
   #drag(pointer: { x: number; y: number; slipped: boolean }, event: PointerEvent): void {
     const [dx, dy] = [event.clientX - pointer.x, event.clientY - pointer.y];
-    if (!pointer.slipped && Math.hypot(dx, dy) < clickReach) return;
+    if (!pointer.slipped && Math.hypot(dx, dy) < slip) return;
     pointer.slipped = true;
     if (this.#pointers.size === 2) {
       const other = [...this.#pointers.values()].find((one) => one !== pointer)!;
@@ -249,45 +243,29 @@ export class LayoutView {
     path.closePath();
   }
 
+  /** What is known of a layout, computed once. */
+  #known(layout: Layout): LayoutFacts {
+    if (this.#facts?.layout !== layout) this.#facts = new LayoutFacts(layout);
+    return this.#facts;
+  }
+
   #drawBase(context: CanvasRenderingContext2D, layout: Layout): void {
-    const { pattern, edges, looks, flat } = this.#shop;
+    const { pattern, edges } = this.#shop;
     const palette = paletteOf(this.element);
-    const chosen = looks.chosenTriangle === null ? -1 : layout.pieceOf[looks.chosenTriangle];
-    const count = layout.strain.length;
-    const fills = new Map<number, Path2D>();
-    const pale = new Path2D();
-    for (let t = 0; t < count; ++t) {
-      const shade = shadeOf(layout.strain[t], flat.range) + shades;
-      let path = fills.get(shade);
-      if (!path) fills.set(shade, (path = new Path2D()));
-      this.#trace(path, layout, t);
-      if (chosen >= 0 && layout.pieceOf[t] !== chosen) this.#trace(pale, layout, t);
-    }
-    context.lineWidth = 0.8; // Covers what would shine through between neighbours.
-    for (const [shade, path] of fills) {
-      context.fillStyle = context.strokeStyle = cssOf(colourOf(shade - shades));
-      context.fill(path);
-      context.stroke(path);
-    }
-    context.fillStyle = palette.veil;
-    context.fill(pale);
-    const picks = looks.tool !== "look" && count <= mostInner;
-    const [inner, border, seam, cut, flips] = Array.from({ length: 5 }, () => new Path2D());
-    const seams = new Set(pattern.seams);
-    const cuts = new Set(layout.autoCuts);
-    for (let corner = 0; edges && corner < 3 * count; ++corner) {
-      const edge = edges.ofTriangle[corner];
-      const kind = seams.has(edge)
-        ? seam
-        : cuts.has(edge)
-          ? cut
-          : isBorder(edges, edge)
-            ? border
-            : inner;
-      if (kind === inner && !picks) continue;
-      const next = corner % 3 === 2 ? corner - 2 : corner + 1;
-      kind.moveTo(...this.#flat(layout.cornerUv[corner]));
-      kind.lineTo(...this.#flat(layout.cornerUv[next]));
+    this.#fill(layout);
+    const { width, height } = this.#base;
+    context.putImageData(new ImageData(this.#raster.bytes, width, height), 0, 0);
+    const [border, seam, cut, flips] = Array.from({ length: 4 }, () => new Path2D());
+    const lines = edges && this.#known(layout).lines(edges, pattern.seams);
+    for (const [path, corners] of [
+      [border, lines?.border],
+      [seam, lines?.seam],
+      [cut, lines?.cut],
+    ] as const) {
+      for (const corner of corners ?? []) {
+        path.moveTo(...this.#flat(layout.cornerUv[corner]));
+        path.lineTo(...this.#flat(layout.cornerUv[nextCorner(corner)]));
+      }
     }
     for (const triangle of layout.flipped) this.#trace(flips, layout, triangle);
     const stroke = (path: Path2D, colour: string, width: number): void => {
@@ -295,63 +273,45 @@ export class LayoutView {
       context.lineWidth = width;
       context.stroke(path);
     };
-    if (picks) stroke(inner, mark.inner, 0.7);
     stroke(border, palette.ink, 1.6);
     stroke(cut, mark.cut, 2.2);
     stroke(seam, mark.seam, 2.6);
     stroke(flips, mark.flip, 2);
-    for (const { from, to } of pattern.grains) this.#drawGrain(context, layout, from, to);
-    this.#drawScale(context, palette.ink);
-  }
-
-  #drawGrain(context: CanvasRenderingContext2D, layout: Layout, from: number, to: number): void {
-    const a = this.#toView(...flatOf(layout, from));
-    const b = this.#toView(...flatOf(layout, to));
-    const angle = Math.atan2(b[1] - a[1], b[0] - a[0]);
-    context.beginPath();
-    context.moveTo(...a);
-    context.lineTo(...b);
-    for (const [end, turn] of [
-      [b, 0],
-      [a, Math.PI],
-    ] as const) {
-      for (const side of [-0.4, 0.4]) {
-        context.moveTo(...end);
-        const to = angle + turn + Math.PI + side;
-        context.lineTo(end[0] + 12 * Math.cos(to), end[1] + 12 * Math.sin(to));
-      }
+    for (const { from, to } of pattern.grains) {
+      const [a, b] = [from, to].map((vertex) => this.#toView(...flatOf(layout, vertex)));
+      drawGrain(context, a, b);
     }
-    for (const [colour, width] of [
-      ["#ffffff", 5],
-      [mark.grain, 2.2],
-    ] as const) {
-      context.strokeStyle = colour;
-      context.lineWidth = width;
-      context.stroke();
-    }
-  }
-
-  // How long a round number of millimetres is here.
-  #drawScale(context: CanvasRenderingContext2D, ink: string): void {
-    const pixels = this.#camera.zoom / this.#shop.pattern.millimetresPerUnit;
-    const wanted = 90 / pixels;
-    const power = 10 ** Math.floor(Math.log10(wanted));
-    const step = power * ([5, 2].find((one) => one * power <= wanted) ?? 1);
-    const [x, y, length] = [14, this.#size.height - 14, step * pixels];
     context.font = `${getComputedStyle(this.element).fontSize} system-ui, sans-serif`;
-    const text = words.flat.mm(step);
-    context.fillStyle = paletteOf(this.element).veil;
-    const wide = Math.max(length, context.measureText(text).width + 6) + 12;
-    context.fillRect(x - 6, y - 26, wide, 32);
-    context.strokeStyle = context.fillStyle = ink;
-    context.lineWidth = 1.5;
-    context.beginPath();
-    context.moveTo(x, y - 5);
-    context.lineTo(x, y);
-    context.lineTo(x + length, y);
-    context.lineTo(x + length, y - 5);
-    context.stroke();
-    context.fillText(text, x + 6, y - 6);
+    for (const { name, middle, width: room } of layout.pieces)
+      drawName(context, name, this.#toView(...middle), room * this.#camera.zoom);
+    const pixels = this.#camera.zoom / pattern.millimetresPerUnit;
+    drawScale(context, palette, pixels, this.#size.height);
+  }
+
+  // The triangles, and the edges inside where a tool picks them and they are long enough to be seen.
+  #fill(layout: Layout): void {
+    const { looks, flat, edges } = this.#shop;
+    const { uv, cornerUv, pieceOf } = layout;
+    const { width, height } = this.#base;
+    if (this.#raster.width !== width || this.#raster.height !== height)
+      this.#raster = new Raster(width, height);
+    else this.#raster.clear();
+    const chosen = looks.chosenTriangle === null ? -1 : pieceOf[looks.chosenTriangle];
+    const { x, y, zoom } = this.#camera;
+    const ratio = width / Math.max(1, this.#size.width);
+    const places = new Float64Array(uv.length);
+    for (let i = 0; i < uv.length; i += 2) {
+      places[i] = width / 2 + (uv[i] - x) * zoom * ratio;
+      places[i + 1] = height / 2 - (uv[i + 1] - y) * zoom * ratio;
+    }
+    this.#raster.flat(cornerUv, places, coloursOf(layout, flat.range, chosen));
+    if (edges && looks.tool !== "look" && this.#known(layout).edge * zoom >= leastEdge)
+      this.#raster.lines(
+        this.#known(layout).lines(edges, this.#shop.pattern.seams).inner,
+        places,
+        innerInk,
+      );
+    this.#raster.finish();
   }
 
   #drawOver(context: CanvasRenderingContext2D, layout: Layout): void {
@@ -367,13 +327,10 @@ export class LayoutView {
     if (chosenTriangle !== null) outline(chosenTriangle, mark.chosen, 3);
     if (hover) outline(hover.triangle, mark.hover, 2);
     if (edges && preview.length > 0) {
-      const wanted = new Set(preview);
       context.beginPath();
-      for (let corner = 0; corner < edges.ofTriangle.length; ++corner) {
-        if (!wanted.has(edges.ofTriangle[corner])) continue;
-        const next = corner % 3 === 2 ? corner - 2 : corner + 1;
+      for (const corner of this.#known(layout).cornersOf(edges, preview)) {
         context.moveTo(...this.#flat(layout.cornerUv[corner]));
-        context.lineTo(...this.#flat(layout.cornerUv[next]));
+        context.lineTo(...this.#flat(layout.cornerUv[nextCorner(corner)]));
       }
       context.strokeStyle = mark.hover;
       context.lineWidth = 3.5;

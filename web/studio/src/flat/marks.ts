@@ -1,5 +1,12 @@
-// Lines and dots in space that keep their width on the screen.
-import { Mesh, MeshBasicMaterial, SphereGeometry } from "three";
+// The cloth in space, and lines and dots on it that keep their width on the screen.
+import {
+  BufferGeometry,
+  DoubleSide,
+  Mesh,
+  MeshBasicMaterial,
+  MeshLambertMaterial,
+  SphereGeometry,
+} from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
@@ -15,12 +22,20 @@ export class Lines extends LineSegments2 {
     this.frustumCulled = false;
   }
 
+  /** What is drawn. */
+  ends: readonly number[] = [];
+  get ink(): { colour: string; width: number; opacity: number } {
+    const { color, linewidth, opacity } = this.#ink;
+    return { colour: `#${color.getHexString()}`, width: linewidth, opacity };
+  }
+
   set colour(color: string) {
     this.#ink.color.set(color.trim());
   }
 
   /** From x y z to x y z, and so on. */
   draw(ends: number[]): void {
+    this.ends = ends;
     this.visible = ends.length > 0;
     if (ends.length === 0) return;
     this.geometry.dispose();
@@ -37,3 +52,16 @@ export function dot(color: string): Mesh {
   one.visible = false;
   return one;
 }
+
+/** Coloured by corner, seen from both sides, a little behind the lines on it. */
+export const cloth = (): Mesh =>
+  new Mesh(
+    new BufferGeometry(),
+    new MeshLambertMaterial({
+      vertexColors: true,
+      side: DoubleSide,
+      polygonOffset: true,
+      polygonOffsetFactor: 1.5,
+      polygonOffsetUnits: 2,
+    }),
+  );

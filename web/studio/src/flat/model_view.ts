@@ -5,56 +5,54 @@ import {
   BufferGeometry,
   Color,
   DirectionalLight,
-  DoubleSide,
   Group,
   MathUtils,
   Mesh,
-  MeshLambertMaterial,
+  MeshBasicMaterial,
+  Matrix4,
   PerspectiveCamera,
-  Raycaster,
   Scene,
   Spherical,
-  Triangle,
-  Vector2,
   Vector3,
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import { h } from "../ui/dom.js";
+import { hasGraphics } from "../view/painter.js";
+import { packed } from "../view/raster.js";
 import { words } from "../words.js";
 import { listenToKeys } from "./keys.js";
-import { Lines, dot } from "./marks.js";
+import { coloursOf } from "./layout_facts.js";
+import { Lines, cloth, dot } from "./marks.js";
 import { mark, paletteOf } from "./palette.js";
-import { colourOf, shadeOf } from "./strain.js";
-import { extentOf, hitBeside, isBorder } from "./surface.js";
+import { Sight } from "./sight.js";
+import { SoftModel } from "./soft_model.js";
+import { colourOf, paleOf, shadeOf, shades } from "./strain.js";
+import { extentOf, isBorder, normalsOf } from "./surface.js";
 import type { Hit, Surface } from "./surface.js";
 import type { Workshop } from "./workshop.js";
 
-const clickReach = 5;
+const lightPlace = new Vector3(0.6, 0.9, 1.4); // from the eye
+const slip = 5; // pixels that a click may slip
 const dotRadius = 6; // pixels
 const half = 0.31; // of the angle of view
 const angle = Math.PI / 18; // that an arrow key turns by
-const [nearest, farthest] = [0.1, 20]; // The model has the size 2.
-const mostInner = 60_000; // triangles whose edges are shown, and found beside them
+const [nearest, farthest] = [0.1, 20]; // of the model, whose size is 2
+const bare = [214, 208, 196] as const; // before there is a layout
+const mostInner = 60_000; // triangles whose edges are shown
 
 export class ModelView {
   readonly element: HTMLElement;
   readonly #shop: Workshop;
-  readonly #renderer: WebGLRenderer;
+  readonly #canvas: HTMLCanvasElement;
+  // One of both.
+  readonly #renderer: WebGLRenderer | null;
+  readonly #soft: SoftModel | null;
   readonly #scene = new Scene();
   readonly #camera = new PerspectiveCamera(2 * MathUtils.radToDeg(half), 1, 0.01, 50);
   readonly #controls: OrbitControls;
-  readonly #body = new Mesh(
-    new BufferGeometry(),
-    new MeshLambertMaterial({
-      vertexColors: true,
-      side: DoubleSide,
-      polygonOffset: true,
-      polygonOffsetFactor: 1.5,
-      polygonOffsetUnits: 2,
-    }),
-  );
+  readonly #body = cloth();
   readonly #lines = {
     inner: new Lines("#1c2530", 1, 0.3),
     border: new Lines("#1c2530", 1.8),
@@ -68,16 +66,23 @@ export class ModelView {
   readonly #pins = new Group();
   #middle = [0, 0, 0];
   #scale = 1;
+  #normals: Float32Array = new Float32Array(0);
+  #colours: Uint32Array = new Uint32Array(0);
   #surface: Surface | null = null;
   #drawn: unknown[] = [];
   #asked = false;
   #down: { x: number; y: number } | null = null;
+  // As long as the view does not turn.
+  #sight: { key: unknown[]; sight: Sight } | undefined;
 
-  /** Throws where there is no WebGL. */
   constructor(shop: Workshop) {
     this.#shop = shop;
     const canvas = h("canvas", { "aria-hidden": "true" });
-    this.#renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
+    this.#canvas = canvas;
+    this.#renderer = hasGraphics()
+      ? new WebGLRenderer({ canvas, antialias: true, alpha: true })
+      : null;
+    this.#soft = this.#renderer ? null : new SoftModel(canvas);
     this.element = h(
       "div",
       {
@@ -92,7 +97,7 @@ export class ModelView {
       h("p", { id: "model-keys", class: "unseen" }, words.flat.modelKeys),
     );
     const light = new DirectionalLight(0xffffff, 1.9);
-    light.position.set(0.6, 0.9, 1.4);
+    light.position.copy(lightPlace);
     this.#camera.add(light);
     this.#scene.add(new AmbientLight(0xffffff, 1.6), this.#camera, this.#body, this.#pins);
     this.#scene.add(...Object.values(this.#lines));
@@ -116,14 +121,9 @@ export class ModelView {
       (vertices[3 * point + 2] - this.#middle[2]) * this.#scale,
     );
   }
-  #inDepth = (point: number): [number, number, number] => {
-    const place = this.#place(point).project(this.#camera);
-    const { clientWidth: width, clientHeight: height } = this.element;
-    return [((place.x + 1) / 2) * width, ((1 - place.y) / 2) * height, place.z];
-  };
   #inView = (point: number): [number, number] => {
-    const [x, y] = this.#inDepth(point);
-    return [x, y];
+    const { x, y } = this.#place(point).project(this.#camera);
+    return [((x + 1) / 2) * this.element.clientWidth, ((1 - y) / 2) * this.element.clientHeight];
   };
   /** Where a point is in the window, for tests. */
   inWindow(point: number): [number, number] {
@@ -135,20 +135,28 @@ export class ModelView {
 
   #hitAt(x: number, y: number): Hit | null {
     if (!this.#surface) return null;
-    const { left, top, width, height } = this.element.getBoundingClientRect();
-    const at = new Vector2(((x - left) / width) * 2 - 1, 1 - ((y - top) / height) * 2);
-    const ray = new Raycaster();
-    ray.setFromCamera(at, this.#camera);
-    const [found] = ray.intersectObject(this.#body);
-    if (!found || found.faceIndex === null || found.faceIndex === undefined) {
-      const isLarge = this.#surface.triangles.length > 3 * mostInner;
-      if (this.#shop.looks.tool === "look" || isLarge) return null;
-      return hitBeside(this.#surface, this.#inDepth, x - left, y - top);
-    }
-    const { triangles } = this.#surface;
-    const [a, b, c] = [0, 1, 2].map((k) => this.#place(triangles[3 * found.faceIndex! + k]));
-    const weights = Triangle.getBarycoord(found.point, a, b, c, new Vector3());
-    return weights && { triangle: found.faceIndex, weights: [weights.x, weights.y, weights.z] };
+    const { left, top } = this.element.getBoundingClientRect();
+    const sight = this.#sightOf(this.#surface);
+    const hit = sight.at(x - left, y - top);
+    return hit || this.#shop.looks.tool === "look" ? hit : sight.beside(x - left, y - top);
+  }
+
+  // From the surface to the view, by way of the size 2 about the middle.
+  #sightOf(surface: Surface): Sight {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    const [x, y, z] = this.#middle.map((value) => -value);
+    const { elements } = this.#clip()
+      .scale(new Vector3().setScalar(this.#scale))
+      .multiply(new Matrix4().makeTranslation(x, y, z));
+    const key = [surface, width, height, ...elements];
+    if (!this.#sight || key.some((value, i) => value !== this.#sight!.key[i]))
+      this.#sight = { key, sight: new Sight(surface, elements, width, height) };
+    return this.#sight.sight;
+  }
+  #clip(): Matrix4 {
+    this.#camera.updateMatrixWorld();
+    const { projectionMatrix, matrixWorldInverse } = this.#camera;
+    return new Matrix4().multiplyMatrices(projectionMatrix, matrixWorldInverse);
   }
 
   #listen(): void {
@@ -161,8 +169,7 @@ export class ModelView {
       const { clientX: x, clientY: y } = event;
       const down = this.#down;
       this.#down = null;
-      if (down && Math.hypot(x - down.x, y - down.y) < clickReach)
-        this.#shop.press(this.#hitAt(x, y));
+      if (down && Math.hypot(x - down.x, y - down.y) < slip) this.#shop.press(this.#hitAt(x, y));
     });
     element.addEventListener("pointermove", (event) => {
       if (event.buttons === 0 && event.pointerType !== "touch")
@@ -215,8 +222,13 @@ export class ModelView {
   #resize(): void {
     const { clientWidth: width, clientHeight: height } = this.element;
     if (width === 0 || height === 0) return;
-    this.#renderer.setPixelRatio(Math.min(2, devicePixelRatio));
-    this.#renderer.setSize(width, height, false);
+    const ratio = Math.min(2, devicePixelRatio);
+    this.#renderer?.setPixelRatio(ratio);
+    this.#renderer?.setSize(width, height, false);
+    if (this.#soft)
+      [this.#canvas.width, this.#canvas.height] = [width, height].map((one) =>
+        Math.round(ratio * one),
+      );
     this.#camera.aspect = width / height;
     this.#camera.updateProjectionMatrix();
     if (this.#drawn.length === 0) this.fit();
@@ -285,31 +297,19 @@ export class ModelView {
     const { middle, size } = extentOf(surface.vertices);
     this.#middle = middle;
     this.#scale = 2 / (Math.hypot(...size) || 1);
+    this.#normals = normalsOf(surface);
+    if (this.#soft) return this.fit();
     const { triangles } = surface;
     const positions = new Float32Array(3 * triangles.length);
-    const normals = new Float32Array(surface.vertices.length);
-    const at = [new Vector3(), new Vector3(), new Vector3()];
-    for (let corner = 0; corner < triangles.length; corner += 3) {
-      at.forEach((place, k) => {
-        this.#place(triangles[corner + k], place).toArray(positions, 3 * (corner + k));
-      });
-      // As long as twice the area: large triangles count for more.
-      const normal = at[1].clone().sub(at[0]).cross(at[2].clone().sub(at[0]));
-      for (let k = 0; k < 3; ++k) {
-        const vertex = 3 * triangles[corner + k];
-        normals[vertex] += normal.x;
-        normals[vertex + 1] += normal.y;
-        normals[vertex + 2] += normal.z;
-      }
-    }
-    const perCorner = new Float32Array(3 * triangles.length);
+    const normals = new Float32Array(3 * triangles.length);
+    const place = new Vector3();
     triangles.forEach((vertex, corner) => {
-      const normal = new Vector3().fromArray(normals, 3 * vertex).normalize();
-      normal.toArray(perCorner, 3 * corner);
+      this.#place(vertex, place).toArray(positions, 3 * corner);
+      normals.set(this.#normals.subarray(3 * vertex, 3 * vertex + 3), 3 * corner);
     });
     const { geometry } = this.#body;
     geometry.setAttribute("position", new BufferAttribute(positions, 3));
-    geometry.setAttribute("normal", new BufferAttribute(perCorner, 3));
+    geometry.setAttribute("normal", new BufferAttribute(normals, 3));
     geometry.setAttribute("color", new BufferAttribute(new Float32Array(3 * triangles.length), 3));
     this.fit();
   }
@@ -317,15 +317,27 @@ export class ModelView {
   // As in the layout; where there is none, as cloth.
   #colour(piece: number): void {
     const { layout, flat } = this.#shop;
+    if (this.#soft) {
+      const count = this.#surface!.triangles.length / 3;
+      this.#colours = layout
+        ? coloursOf(layout, flat.range, piece)
+        : new Uint32Array(count).fill(packed(...bare));
+      return;
+    }
     const attribute = this.#body.geometry.getAttribute("color") as BufferAttribute;
-    const colour = new Color();
+    const colours = attribute.array as Float32Array;
+    const ink = (rgb: readonly number[]): number[] =>
+      new Color().setRGB(rgb[0] / 255, rgb[1] / 255, rgb[2] / 255, "srgb").toArray();
+    const inks = Array.from({ length: 2 * shades + 1 }, (_, i) => colourOf(i - shades));
+    const full = inks.map(ink);
+    const pale = inks.map((one) => ink(paleOf(one)));
+    const plain = ink(bare);
     for (let t = 0; 3 * t < attribute.count; ++t) {
-      const shade = layout ? shadeOf(layout.strain[t], flat.range) : 0;
-      const [r, g, b] = layout ? colourOf(shade) : [214, 208, 196];
-      const pale = layout && piece >= 0 && layout.pieceOf[t] !== piece;
-      const mixed = pale ? [r, g, b].map((value) => 0.35 * value + 0.65 * 150) : [r, g, b];
-      colour.setRGB(mixed[0] / 255, mixed[1] / 255, mixed[2] / 255, "srgb");
-      for (let k = 0; k < 3; ++k) attribute.setXYZ(3 * t + k, colour.r, colour.g, colour.b);
+      const others = layout && piece >= 0 && layout.pieceOf[t] !== piece;
+      const colour = layout
+        ? (others ? pale : full)[shadeOf(layout.strain[t], flat.range) + shades]
+        : plain;
+      for (let k = 0; k < 3; ++k) colours.set(colour, 9 * t + 3 * k);
     }
     attribute.needsUpdate = true;
   }
@@ -346,12 +358,43 @@ export class ModelView {
     this.#asked = true;
     requestAnimationFrame(() => {
       this.#asked = false;
+      if (this.#soft) return this.#drawSoftly(this.#soft);
       // Dots keep their size on the screen.
       const far = this.#camera.position.distanceTo(this.#controls.target);
       const size = (dotRadius * 2 * far * Math.tan(half)) / Math.max(1, this.element.clientHeight);
       for (const one of [...Object.values(this.#dots), ...this.#pins.children])
         one.scale.setScalar(size);
-      this.#renderer.render(this.#scene, this.#camera);
+      this.#renderer!.render(this.#scene, this.#camera);
     });
+  }
+
+  #drawSoftly(soft: SoftModel): void {
+    const surface = this.#surface;
+    const { clientWidth: width } = this.element;
+    if (!surface || width === 0 || this.#colours.length === 0) return;
+    const sight = this.#sightOf(surface);
+    const light = lightPlace.clone().normalize().transformDirection(this.#camera.matrixWorld);
+    const shown = [...Object.values(this.#dots), ...this.#pins.children].filter(
+      (one) => one.visible,
+    ) as Mesh<BufferGeometry, MeshBasicMaterial>[];
+    soft.draw(
+      {
+        sight,
+        triangles: surface.triangles,
+        normals: this.#normals,
+        light: [light.x, light.y, light.z],
+        colours: this.#colours,
+        strokes: Object.values(this.#lines)
+          .filter((one) => one.visible)
+          .map((one) => ({ ends: one.ends, ...one.ink })),
+        dots: shown.map(({ position, material }) => ({
+          place: [position.x, position.y, position.z],
+          colour: `#${material.color.getHexString()}`,
+        })),
+        dotRadius,
+        clip: this.#clip().elements,
+      },
+      this.#canvas.width / width,
+    );
   }
 }

@@ -7,7 +7,7 @@ export const mark = {
   chosen: "#8f3d00",
   from: "#8f3d00",
   grain: "#1c2530",
-  inner: "rgb(28 37 48 / 28%)",
+  paper: "rgb(255 255 255 / 80%)",
 } as const;
 
 /** Those that follow the page's colours. */

@@ -57,8 +57,8 @@ function pieceRows(shop: Workshop): Row[] {
   if (!layout) return [];
   const chosen = looks.chosenTriangle === null ? -1 : layout.pieceOf[looks.chosenTriangle];
   return layout.pieces.slice(0, mostPieces).map(
-    (_, i): Row => [
-      i === chosen ? flat.report.chosen(i + 1) : flat.report.piece(i + 1),
+    ({ name }, i): Row => [
+      i === chosen ? flat.report.chosen(flat.piece(i + 1, name)) : flat.piece(i + 1, name),
       ({ pieces }) => {
         const piece = pieces[i];
         return piece ? flat.report.size(flat.mm(piece.width * mm), flat.mm(piece.height * mm)) : "";

@@ -1,8 +1,8 @@
 // Seams as sets of edges: paths, loops, and runs that hang together.
-import { isBorder, isOnBorder, otherEnd } from "./surface.js";
+import { distance, isBorder, isOnBorder, otherEnd } from "./surface.js";
 import type { Edges, Surface } from "./surface.js";
 
-/** A heap of points by distance. */
+/** A heap of points by key. */
 class Queue {
   #points: number[] = [];
   #keys: number[] = [];
@@ -24,8 +24,9 @@ class Queue {
     this.#keys[i] = key;
   }
 
-  pop(): [number, number] {
-    const top: [number, number] = [this.#points[0], this.#keys[0]];
+  /** The one with the lowest key. */
+  pop(): number {
+    const top = this.#points[0];
     const point = this.#points.pop()!;
     const key = this.#keys.pop()!;
     const count = this.#points.length;
@@ -47,32 +48,40 @@ class Queue {
 }
 
 /** The edges of the shortest way from one point to the other, in order; none where there is no way. */
-export function shortestPath(edges: Edges, from: number, to: number): number[] {
+export function shortestPath(
+  { vertices }: Surface,
+  edges: Edges,
+  from: number,
+  to: number,
+): number[] {
   if (from === to) return [];
-  const reached = new Map<number, { length: number; by: number }>([[from, { length: 0, by: -1 }]]);
-  const done = new Set<number>();
+  const points = edges.pointOf.length;
+  const lengths = new Float64Array(points).fill(Infinity);
+  const by = new Int32Array(points).fill(-1);
+  const done = new Uint8Array(points);
   const queue = new Queue();
+  lengths[from] = 0;
   queue.push(from, 0);
   while (!queue.isEmpty) {
-    const [point, length] = queue.pop();
-    if (done.has(point)) continue;
+    const point = queue.pop();
     if (point === to) break;
-    done.add(point);
+    if (done[point]) continue;
+    done[point] = 1;
     for (let i = edges.first[point]; i < edges.first[point + 1]; ++i) {
       const edge = edges.around[i];
       const next = otherEnd(edges, edge, point);
-      const there = length + edges.lengths[edge];
-      if (there >= (reached.get(next)?.length ?? Infinity)) continue;
-      reached.set(next, { length: there, by: edge });
-      queue.push(next, there);
+      const there = lengths[point] + edges.lengths[edge];
+      if (there >= lengths[next]) continue;
+      lengths[next] = there;
+      by[next] = edge;
+      // No way on is shorter than the straight one: what leads away from the end comes last.
+      queue.push(next, there + distance(vertices, next, to));
     }
   }
   const path: number[] = [];
-  for (let at = to; at !== from; ) {
-    const step = reached.get(at);
-    if (!step) return [];
-    path.push(step.by);
-    at = otherEnd(edges, step.by, at);
+  for (let at = to; at !== from; at = otherEnd(edges, by[at], at)) {
+    if (by[at] < 0) return [];
+    path.push(by[at]);
   }
   return path.reverse();
 }

@@ -38,6 +38,10 @@ export function colourOf(shade: number): [number, number, number] {
   ];
 }
 
+/** As the pieces have it that are not the chosen one. */
+export const paleOf = (colour: readonly number[]): [number, number, number] =>
+  colour.map((value) => Math.round(0.35 * value + 0.65 * 150)) as [number, number, number];
+
 export const cssOf = (colour: readonly number[]): string => `rgb(${colour.join(" ")})`;
 
 /** The colours from one end to the other, for a legend. */

@@ -120,8 +120,20 @@ export const isOnBorder = (edges: Edges, point: number): boolean => {
   return false;
 };
 
-/** The middle of the surface and how large it is along x, y and z. */
-export function extentOf(vertices: Float64Array): { middle: number[]; size: number[] } {
+interface Extent {
+  middle: number[];
+  size: number[];
+}
+const extents = new WeakMap<Float64Array, Extent>();
+
+/** The middle of the surface and how large it is along x, y and z. Asked again it is known. */
+export function extentOf(vertices: Float64Array): Extent {
+  let extent = extents.get(vertices);
+  if (!extent) extents.set(vertices, (extent = measured(vertices)));
+  return extent;
+}
+
+function measured(vertices: Float64Array): Extent {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
   for (let i = 0; i < vertices.length; ++i) {
@@ -135,6 +147,31 @@ export function extentOf(vertices: Float64Array): { middle: number[]; size: numb
   };
 }
 
+/** x y z of each vertex, of length 1: the mean of its triangles, where large ones count for more. */
+export function normalsOf({ vertices, triangles }: Surface): Float32Array {
+  const normals = new Float32Array(vertices.length);
+  for (let corner = 0; corner < triangles.length; corner += 3) {
+    const a = 3 * triangles[corner];
+    const b = 3 * triangles[corner + 1];
+    const c = 3 * triangles[corner + 2];
+    const side = (to: number, axis: number): number => vertices[to + axis] - vertices[a + axis];
+    const x = side(b, 1) * side(c, 2) - side(b, 2) * side(c, 1);
+    const y = side(b, 2) * side(c, 0) - side(b, 0) * side(c, 2);
+    const z = side(b, 0) * side(c, 1) - side(b, 1) * side(c, 0);
+    for (let k = 0; k < 3; ++k) {
+      const vertex = 3 * triangles[corner + k];
+      normals[vertex] += x;
+      normals[vertex + 1] += y;
+      normals[vertex + 2] += z;
+    }
+  }
+  for (let i = 0; i < normals.length; i += 3) {
+    const length = Math.hypot(normals[i], normals[i + 1], normals[i + 2]) || 1;
+    for (let k = i; k < i + 3; ++k) normals[k] /= length;
+  }
+  return normals;
+}
+
 /** Where a surface has been hit. */
 export interface Hit {
   triangle: number;
@@ -142,25 +179,31 @@ export interface Hit {
   weights: readonly [number, number, number];
 }
 
+/** How far from a corner a click beside the surface still means it, in pixels. */
+export const clickReach = 14;
+
 /**
  * The corner that a click beside the surface means: the nearest within reach, and of those that are nearly so near
- * the one in front. `seen` says where a vertex is in the view, and how far away.
+ * the one in front. `seen` says where a corner is in the view, and how far away.
  */
 export function hitBeside(
-  { triangles }: Surface,
-  seen: (vertex: number, corner: number) => readonly [x: number, y: number, depth: number],
+  triangles: Iterable<number>,
+  seen: (corner: number) => readonly [x: number, y: number, depth: number],
   x: number,
   y: number,
-  reach = 14,
 ): Hit | null {
   let best = -1;
   let least = Infinity;
-  for (let corner = 0; corner < triangles.length; ++corner) {
-    const [vx, vy, depth] = seen(triangles[corner], corner);
-    const far = Math.hypot(vx - x, vy - y);
-    if (far > reach) continue;
-    const badness = far + 1e3 * depth;
-    if (badness < least) [best, least] = [corner, badness];
+  for (const triangle of triangles) {
+    for (let corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) {
+      const [vx, vy, depth] = seen(corner);
+      const far = Math.hypot(vx - x, vy - y);
+      if (far > clickReach) continue;
+      const badness = far + 1e3 * depth;
+      // The lowest of equals, in whichever order they are asked.
+      if (badness < least || (badness === least && corner < best))
+        [best, least] = [corner, badness];
+    }
   }
   if (best < 0) return null;
   const weights = [0, 1, 2].map((k) => (k === best % 3 ? 1 : 0));

@@ -1,5 +1,5 @@
 // What the flatten page does: the document with its history, and the layouts that follow it.
-import { History } from "../model/history.js";
+import { Desk } from "../desk.js";
 import { words } from "../words.js";
 import { Flattening, sentenceOf } from "./flattening.js";
 import { flatOf } from "./layout.js";
@@ -42,17 +42,18 @@ const atFirst: Looks = {
   pin: null,
 };
 
-const mostPreviewed = 150_000; // edges: more are searched when clicked, not under the pointer
+const mostPreviewed = 600_000; // edges: more are searched when clicked, not under the pointer
 const mostPins = 64;
 
-export class Workshop {
-  readonly history = new History<Pattern>(emptyPattern);
+export class Workshop extends Desk<Pattern> {
   looks: Looks = atFirst;
-  readonly flat = new Flattening(() => this.#changed());
-  readonly #listeners = new Set<() => void>();
-  #say: (text: string, urgent: boolean) => void = () => {};
+  readonly flat = new Flattening(() => this.changed());
   /** A file has been saved. */
   onSaved: () => void = () => {};
+
+  constructor() {
+    super(emptyPattern);
+  }
 
   get pattern(): Pattern {
     return this.history.present;
@@ -79,18 +80,9 @@ export class Workshop {
     return isUnlikely(this.size);
   }
 
-  listen(listener: () => void): void {
-    this.#listeners.add(listener);
-  }
-  onSay(say: (text: string, urgent: boolean) => void): void {
-    this.#say = say;
-  }
-  say(text: string, urgent = false): void {
-    this.#say(text, urgent);
-  }
   look(change: Partial<Looks>): void {
     this.looks = { ...this.looks, ...change };
-    this.#changed();
+    this.changed();
   }
   choose(tool: Tool): void {
     this.look({ tool, preview: [], near: null, from: null });
@@ -147,7 +139,7 @@ export class Workshop {
     if (hit && tool === "edge") preview = [nearestEdge(edges, hit)];
     else if (hit && tool === "loop") preview = loopThrough(surface, edges, nearestEdge(edges, hit));
     else if (hit && tool === "path" && from !== null && edges.count < mostPreviewed)
-      preview = shortestPath(edges, from, edges.pointOf[nearestVertex(surface, hit)]);
+      preview = shortestPath(surface, edges, from, edges.pointOf[nearestVertex(surface, hit)]);
     const takesVertex = tool === "path" || tool === "pin" || tool === "grain";
     const near = hit && takesVertex ? edges.pointOf[nearestVertex(surface, hit)] : null;
     this.look({ hover: hit, preview, near });
@@ -194,7 +186,7 @@ export class Workshop {
         this.say(words.flat.said.from);
         return this.look({ from: point });
       }
-      const path = shortestPath(edges, from, point);
+      const path = shortestPath(surface, edges, from, point);
       if (path.length === 0) return this.say(words.flat.said.noPath, true);
       // At the border it has ended; elsewhere it goes on.
       const next = isOnBorder(edges, point) ? null : point;
@@ -249,7 +241,7 @@ export class Workshop {
     let preview: readonly number[] = [];
     if (edge >= 0 && tool === "edge") preview = [edge];
     else if (edge >= 0 && tool === "loop") preview = loopThrough(surface, edges, edge);
-    else if (tool === "path" && from !== null) preview = shortestPath(edges, from, point);
+    else if (tool === "path" && from !== null) preview = shortestPath(surface, edges, from, point);
     this.look({ cursor: { point, edge }, preview });
     this.say(words.flat.said.at(point, edge >= 0 && this.pattern.seams.includes(edge)));
   }
@@ -305,20 +297,7 @@ export class Workshop {
     this.say(words.flat.said.grain);
   }
 
-  undo(): void {
-    const what = this.history.undoable;
-    if (!this.history.undo()) return;
-    this.say(words.said.undone(what!));
-    this.#jumped();
-  }
-  redo(): void {
-    const what = this.history.redoable;
-    if (!this.history.redo()) return;
-    this.say(words.said.redone(what!));
-    this.#jumped();
-  }
-
-  #jumped(): void {
+  protected override jumped(): void {
     this.looks = { ...atFirst, tool: this.looks.tool };
     this.#follow();
   }
@@ -339,8 +318,5 @@ export class Workshop {
   cancel(): void {
     this.flat.halt("cancelled");
     this.say(words.flat.said.cancelled);
-  }
-  #changed(): void {
-    for (const listener of this.#listeners) listener();
   }
 }

@@ -30,8 +30,8 @@ export const flat = {
   layoutLabel: "The flat pieces",
   layoutKeys:
     "Arrow keys move the view, plus and minus move closer and farther, 0 shows all. Shift with an arrow key walks along the edges, Enter uses the tool there.",
-  noWebGL:
-    "This browser shows nothing in space, as it has no WebGL 2. The flat pieces are here all the same: seams can be picked on them too.",
+  noModel:
+    "The model cannot be shown. The flat pieces are here all the same: seams can be picked on them too.",
   nothing: {
     empty: "Choose a model.",
     reading: "Reading the file…",
@@ -82,8 +82,9 @@ export const flat = {
   removePin: (vertex: number) => `Remove the pin of corner ${vertex}`,
   grains: "Grain lines",
   noGrains: "None. The tool Grain lays a line of the cloth along the threads.",
-  grainAngle: (piece: number) => `Direction in piece ${piece}`,
-  removeGrain: (piece: number) => `Remove the grain line of piece ${piece}`,
+  piece: (piece: number, name: string) => `Piece ${piece}${name && ` (${name})`}`,
+  grainAngle: (piece: string) => `${piece}: direction`,
+  removeGrain: (piece: string) => `${piece}: remove the grain line`,
   show: "Show",
   legend: "Strain",
   legendSmall: ["smaller", "the cloth stretches"] as const,
@@ -96,8 +97,8 @@ export const flat = {
       : `${Number(value.toPrecision(4))} mm`,
   under: {
     none: "Point at the model or a piece.",
-    triangle: (triangle: number, piece: number, more: string, less: string) =>
-      `Piece ${piece}, triangle ${triangle}: ${more} and ${less}`,
+    triangle: (triangle: number, piece: string, more: string, less: string) =>
+      `${piece}, triangle ${triangle}: ${more} and ${less}`,
     noLayout: (triangle: number) => `Triangle ${triangle}`,
   },
   report: {
@@ -117,8 +118,7 @@ export const flat = {
     overlaps: "Outlines cross",
     yes: "yes",
     no: "no",
-    piece: (piece: number) => `Piece ${piece}`,
-    chosen: (piece: number) => `Piece ${piece}, chosen`,
+    chosen: (piece: string) => `${piece}, chosen`,
     size: (width: string, height: string) => `${width} × ${height}`,
     cm2: (value: number) => `${Number(value.toPrecision(4))} cm²`,
     morePieces: (count: number) => `and ${count} more pieces`,
