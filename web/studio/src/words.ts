@@ -138,7 +138,7 @@ export const words = {
     facts: (frames: number, rate: number) => `${frames} frames, ${rate} per second`,
     timeline: "Timeline",
     none: "There is no take yet.",
-    noPins: "Place pins first.",
+    noPins: "Place pins first: they are what is recorded.",
     later: "The server does not answer. The shapes of the take are computed when it is back.",
   },
   save: {
