@@ -31,7 +31,7 @@ void Wake(int descriptor) {
   errno = kept;
 }
 
-std::int64_t Now() {
+std::int64_t NanosNow() {
   return std::chrono::nanoseconds(steady_clock::now().time_since_epoch()).count();
 }
 
@@ -41,7 +41,7 @@ Patience::Patience(std::chrono::milliseconds limit, std::function<void()> give_u
     : limit_(limit),
       give_up_(std::move(give_up)),
       what_(std::move(what)),
-      heard_(Now()),
+      heard_(NanosNow()),
       wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   interrupted = false;
   woken = wake_;
@@ -64,7 +64,7 @@ Patience::~Patience() {
   if (wake_ >= 0) close(wake_);
 }
 
-void Patience::Heard() { heard_ = Now(); }
+void Patience::Heard() { heard_ = NanosNow(); }
 
 void Patience::Watch() {
   using std::chrono::milliseconds;
@@ -73,10 +73,10 @@ void Patience::Watch() {
   const auto start = steady_clock::now();
   StatusLine line(what_.empty());
   for (;;) {
-    const milliseconds left =
-        end_ == End::kNone
-            ? std::chrono::ceil<milliseconds>(limit_ - std::chrono::nanoseconds(Now() - heard_))
-            : kMost;
+    const milliseconds left = end_ == End::kNone
+                                  ? std::chrono::ceil<milliseconds>(
+                                        limit_ - std::chrono::nanoseconds(NanosNow() - heard_))
+                                  : kMost;
     const bool looks = wake_ < 0 || !what_.empty();
     const milliseconds next = looks ? kLook : std::clamp(left, milliseconds(1), kMost);
     pollfd event{wake_, POLLIN, 0};
@@ -88,7 +88,7 @@ void Patience::Watch() {
     const auto passed =
         std::chrono::floor<std::chrono::seconds>(steady_clock::now() - start).count();
     if (passed >= 1) line.Show(fmt::format("{} {} s", what_, passed));
-    const std::chrono::nanoseconds silent(Now() - heard_);
+    const std::chrono::nanoseconds silent(NanosNow() - heard_);
     if (end_ != End::kNone || !(interrupted || silent > limit_)) continue;
     end_ = interrupted ? End::kInterrupted : End::kSilent;
     give_up_();

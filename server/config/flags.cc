@@ -201,6 +201,8 @@ void AddFlags(CLI::App& app, Config& config) {
   app.add_flag("--reflection,!--no-reflection", config.host.reflection,
                "Serve the descriptions of the services (by default only where nobody but this "
                "machine reaches the server)");
+  app.add_flag("--echo,!--no-echo", config.host.echo,
+               "Serve EchoService, which answers bytes with bytes, for arapctl load --transport");
   AddCredentials(app, config.host.credentials);
   AddStore(app, config);
   AddStopping(app, config);

@@ -136,7 +136,7 @@ Host::Host(const HostOptions& options, std::shared_ptr<const runtime::Clock> clo
       readiness_(options.stuck_after, *clock_),
       connections_(Bounded(options.connections, options.limits), *clock_),
       identity_(credentials_->identity()),
-      services_(rpc::MakeServices(engine_, identity_)),
+      services_(rpc::MakeServices(engine_, identity_, options.echo)),
       health_(ServiceNames(), connections_),
       unknown_methods_(rpc::MakeUnknownMethods(connections_)),
       on_deaf_(options.on_deaf) {

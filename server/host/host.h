@@ -41,6 +41,7 @@ struct HostOptions {
   CredentialOptions credentials;
   // Unless said: when only this machine reaches the server.
   std::optional<bool> reflection;
+  bool echo = false;  // EchoService, for measurements
   // After this much silence a client is asked for a sign of life, and it is cut off when it gives
   // none for so long: a peer that is half open must not keep what it holds.
   std::chrono::milliseconds keepalive = std::chrono::seconds(60);

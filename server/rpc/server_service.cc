@@ -86,12 +86,13 @@ NamedService Named(std::unique_ptr<Methods> methods) {
   return {std::move(name), std::move(methods)};
 }
 
-std::vector<NamedService> MakeServices(app::Engine& engine, const Identity& identity) {
+std::vector<NamedService> MakeServices(app::Engine& engine, const Identity& identity, bool echo) {
   const Backend backend{engine, identity};
   std::vector<NamedService> services;
   services.push_back(MakeDeformationService(backend));
   services.push_back(MakeFlatteningService(backend));
   services.push_back(MakeServerService(backend));
+  if (echo) services.push_back(MakeEchoService(backend));
   return services;
 }
 

@@ -33,9 +33,9 @@ struct NamedService {
   std::unique_ptr<grpc::Service> service;
 };
 
-// All of them. `engine` and `identity` outlive the services, and they outlive the server that they
+// All of them; EchoService only with `echo`. `engine` and `identity` outlive the services, and they outlive the server that they
 // are registered with.
-std::vector<NamedService> MakeServices(app::Engine& engine, const Identity& identity);
+std::vector<NamedService> MakeServices(app::Engine& engine, const Identity& identity, bool echo);
 
 // What answers calls of methods that there are not; counted as all calls are. `connections`
 // outlives it.
@@ -45,6 +45,7 @@ NamedService Named(std::unique_ptr<Methods> methods);
 NamedService MakeDeformationService(const Backend& backend);
 NamedService MakeFlatteningService(const Backend& backend);
 NamedService MakeServerService(const Backend& backend);
+NamedService MakeEchoService(const Backend& backend);
 
 // The handlers of the unary RPCs, for whoever calls them without a connection.
 

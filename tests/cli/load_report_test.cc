@@ -118,7 +118,8 @@ TEST(LoadText, HasEightyColumnsAndEverything) {
        {"updates      600\n", "updates/s    100.0\n", "after 2.00 to warm up", "drag", "edit",
         "  response ", "  solve ", "rate found   200.0 a second", "60 answers computed here too",
         "1 wrong", "3 streams, told after", "2 times, 4 updates lost", "echo", "2.50 µs",
-        "error        OVERLOADED × 11 (RESOURCE_EXHAUSTED)", "error        BAD_REPLY × 1"}) {
+        "2000/s by itself, p50 9", "error        OVERLOADED × 11 (RESOURCE_EXHAUSTED)",
+        "error        BAD_REPLY × 1"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
   EXPECT_THAT(LoadText(MadeResults(), STDIN_FILENO), HasSubstr("errors       none\n"));

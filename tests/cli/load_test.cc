@@ -47,6 +47,18 @@ TEST_F(LoadCommand, CountsUpdatesWithoutErrors) {
   EXPECT_GT(json["solve_micros"]["p50"], 0);
 }
 
+TEST_F(LoadCommand, MeasuresTheTransportByItself) {
+  const Outcome outcome =
+      Arapctl({"load", "--spawn", "--streams", "2", "--seconds", "0.3", "--transport", "0.3",
+               "--vertices", "300", "--json", Path("load.json")});
+  ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("/s by itself, p50"));
+  const auto json = nlohmann::json::parse(Slurp(Path("load.json")), nullptr, false);
+  ASSERT_TRUE(json.is_object());
+  EXPECT_GT(json["transport"]["round_trip_micros"]["count"], 0);
+  EXPECT_GT(json["updates"], 0);
+}
+
 TEST_F(LoadCommand, WritesItsReportsAndComparesThem) {
   const std::vector<std::string> command{"load",        "--spawn",
                                          "--streams",   "1",

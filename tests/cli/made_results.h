@@ -71,6 +71,8 @@ inline LoadResults FullResults() {
   results.resumptions = 2;
   results.frames_lost = 4;
   results.echo.Record(80, 100);
+  results.transport.emplace().seconds = 2;
+  results.transport->round_trip.Record(90, 4000);
   results.own_nanos_per_message = 2500;
   return results;
 }

@@ -229,6 +229,12 @@ void AddBusiness(CLI::App& command, LoadRequest& request) {
       ->check(Between(0, 1e6))
       ->option_text("R");
   command
+      .add_option("--transport", request.transport,
+                  "measure first, for so long, messages of the same sizes that nothing is computed "
+                  "for: what the transport takes by itself. Wants arapd --echo, or --spawn")
+      ->check(Between(0.1, 1e6))
+      ->option_text("S");
+  command
       .add_option(
           "--verify", request.verify,
           "compute this part of the answers again, with a private arapd, and compare; 0 to 1, "

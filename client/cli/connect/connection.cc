@@ -175,9 +175,10 @@ Status Connection::SpawnedServer::Launch() {
   std::string listen = "unix:" + directory_ + "/arapd.sock";
   std::string listen_flag = "--listen", level_flag = "--log-level", level = "warn";
   std::string store_flag = "--store", store = "memory", no_admin_flag = "--no-admin";
-  const std::array<char*, 9> arguments{program.data(),    listen_flag.data(),   listen.data(),
-                                       level_flag.data(), level.data(),         store_flag.data(),
-                                       store.data(),      no_admin_flag.data(), nullptr};
+  std::string echo_flag = "--echo";
+  const std::array<char*, 10> arguments{
+      program.data(),    listen_flag.data(), listen.data(),        level_flag.data(), level.data(),
+      store_flag.data(), store.data(),       no_admin_flag.data(), echo_flag.data(),  nullptr};
   std::array<int, 2> pipe_ends{};
   if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) return SystemFault("Cannot make a pipe");
   output_ = pipe_ends[0];

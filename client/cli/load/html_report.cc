@@ -227,6 +227,13 @@ std::string SetupHtml(const LoadResults& results) {
         fmt::format("median {}, p99 {}", FormatMicros(results.echo.Quantile(0.5)),
                     FormatMicros(results.echo.Quantile(0.99))));
   }
+  if (results.transport && results.transport->round_trip.Count() > 0) {
+    const TransportResults& transport = *results.transport;
+    add("transport by itself, with the same sizes",
+        fmt::format("median {}, p99 {}, {}", FormatMicros(transport.round_trip.Quantile(0.5)),
+                    FormatMicros(transport.round_trip.Quantile(0.99)),
+                    FormatFigure(transport.PerSecond(), Unit::kPerSecond)));
+  }
   if (results.own_nanos_per_message > 0) {
     add("own cost of a message", FormatMicros(results.own_nanos_per_message / 1000));
   }

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include "client/cli/load/echo_load.h"
 #include "client/cli/load/engine.h"
 #include "client/cli/load/rates.h"
 #include "client/cli/load/reports.h"
@@ -283,6 +284,15 @@ Result<LoadResults> RunLoad(const LoadRequest& request, std::stop_token stop) {
   AllowDescriptors(count);
   TRY(auto connections, OpenConnections(connection, count, tokens));
 
+  std::optional<TransportResults> transport;
+  if (request.transport > 0) {
+    EchoPlan plan{.streams = request.streams,
+                  .window = request.window.value_or(1),
+                  .seconds = request.transport};
+    MeasureMessages(scene.handles.size(), scene.mesh.vertices.size(), request.encoding, plan);
+    TRY(transport, RunEchoes(connections, plan, stop));
+  }
+
   EngineOptions options;
   options.streams = request.streams;
   options.sessions = std::min(request.sessions.value_or(request.streams), request.streams);
@@ -301,6 +311,7 @@ Result<LoadResults> RunLoad(const LoadRequest& request, std::stop_token stop) {
   TRY(LoadResults results, LoadCourse(request, engine, std::move(stop)).Go());
   engine.Close();
   results.how = HowOf(request);
+  results.transport = std::move(transport);
   results.streams = request.streams;
   results.sessions = options.sessions;
   results.connections = count;

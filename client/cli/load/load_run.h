@@ -53,7 +53,9 @@ struct LoadRequest {
   bool poisson = false;
   std::optional<std::size_t> window;  // default: 1, and no bound in an open loop without `fps`
 
-  double echo = 0;    // pings a second, all streams together
+  double echo = 0;  // pings a second, all streams together
+  double transport =
+      0;              // seconds of echoes of the same sizes, before everything else (EchoService)
   double verify = 0;  // which part of the answers
   std::optional<double>
       resume;          // seconds; default 10, and 0 with a private server, which does not come back

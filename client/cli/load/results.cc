@@ -225,6 +225,11 @@ nlohmann::ordered_json ToJson(const LoadResults& results) {
     json["operations"][std::string(NameOf(operation))] =
         OperationJson(results.operations[operation]);
   }
+  if (results.transport) {
+    json["transport"] = {{"seconds", results.transport->seconds},
+                         {"per_second", results.transport->PerSecond()},
+                         {"round_trip_micros", HistogramJson(results.transport->round_trip)}};
+  }
   Json& steps = json["steps"] = Json::array();
   for (const LoadStep& step : results.steps) {
     steps.push_back({{"rate", step.rate},
@@ -272,6 +277,11 @@ Result<LoadResults> LoadResultsFromJson(const nlohmann::ordered_json& json) {
   reader.Read(json, "", "frames_lost", results.frames_lost);
   reader.Read(json, "", "echo_micros", results.echo);
   reader.Read(json, "", "own_nanos_per_message", results.own_nanos_per_message);
+  if (const auto transport = json.find("transport"); transport != json.end()) {
+    results.transport.emplace();
+    reader.Read(*transport, "transport", "seconds", results.transport->seconds);
+    reader.Read(*transport, "transport", "round_trip_micros", results.transport->round_trip);
+  }
   ReadOperations(reader, json, results);
   ReadIntervals(reader, json, results);
   ReadSteps(reader, json, results);

@@ -85,6 +85,16 @@ struct LoadStep {
   bool met = false;         // what was asked of it, such as a p99 below a limit
 };
 
+// Messages of the same sizes that nothing was computed for (EchoService), before what counts.
+struct TransportResults {
+  double seconds = 0;
+  Histogram round_trip;
+
+  double PerSecond() const {
+    return seconds > 0 ? static_cast<double>(round_trip.Count()) / seconds : 0;
+  }
+};
+
 struct LoadError {
   std::string code;    // "RESOURCE_EXHAUSTED", or empty where there is none
   std::string reason;  // "OVERLOADED"; "BAD_REPLY" of answers that do not fit
@@ -105,8 +115,9 @@ struct LoadResults {
   std::vector<LoadError> errors;     // by code and reason
   Histogram refused;                 // until a stream was told that there is no room
   std::uint64_t resumptions = 0;
-  std::uint64_t frames_lost = 0;     // updates that a resumption left without an answer
-  Histogram echo;                    // round trips of messages that compute nothing
+  std::uint64_t frames_lost = 0;  // updates that a resumption left without an answer
+  Histogram echo;                 // round trips of messages that compute nothing
+  std::optional<TransportResults> transport;
   double own_nanos_per_message = 0;  // processor time of this program; 0: not measured
 
   // The operations that there were any of, in their order.

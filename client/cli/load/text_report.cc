@@ -161,6 +161,15 @@ std::string OtherLines(const LoadResults& results, int descriptor,
                                          FormatMicros(results.echo.Quantile(0.99)),
                                          FormatMicros(results.echo.Max())));
   }
+  if (results.transport && results.transport->round_trip.Count() > 0) {
+    const TransportResults& transport = *results.transport;
+    const double part = results.PerSecond(total.answered) / transport.PerSecond();
+    text += TextLine(
+        "transport",
+        fmt::format("{:.0f}/s by itself, p50 {}, p99 {}; this is {:.0f} % of it",
+                    transport.PerSecond(), FormatMicros(transport.round_trip.Quantile(0.5)),
+                    FormatMicros(transport.round_trip.Quantile(0.99)), 100 * part));
+  }
   if (results.own_nanos_per_message > 0) {
     text += TextLine("own cost", fmt::format("{} of processor time a message",
                                              FormatMicros(results.own_nanos_per_message / 1000)));
