@@ -10,7 +10,7 @@ const mostPieces = 30;
 
 const round = (value: number, digits = 3): string => String(Number(value.toPrecision(digits)));
 const pair = (mean: number, most: number, unit: string): string =>
-  `${round(mean)} / ${round(most)} ${unit}`;
+  `${round(mean)} / ${round(most)}\u00a0${unit}`;
 
 type Row = readonly [name: string, of: (layout: Layout) => string, key: string];
 
