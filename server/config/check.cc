@@ -71,8 +71,9 @@ Status CheckCredentials(const host::HostOptions& options) {
 
 Status CheckStoreFlags(const store::StoreOptions& options) {
   if (auto good = store::CheckStore(options); !good) {
-    const char* const flag = good.error().field == "blob_dir" ? "blob-dir" : "store";
-    return Fail(Bad(flag, fmt::format("--{}: {}", flag, good.error().message)));
+    std::string flag = good.error().field;
+    std::replace(flag.begin(), flag.end(), '_', '-');
+    return Fail(Bad(flag.c_str(), fmt::format("--{}: {}", flag, good.error().message)));
   }
   constexpr std::string_view kSqlite = "sqlite:";
   if (!options.store.starts_with(kSqlite)) return {};

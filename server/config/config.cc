@@ -137,29 +137,55 @@ Result<mode_t> ModeOf(const std::string& octal) {
                   .Field("socket-mode"));
 }
 
-// Puts the password of the file into "redis://host" and "redis://user@host".
-Status AddPassword(const std::string& path, std::string& store) {
-  constexpr std::string_view kRedis = "redis://";
-  if (path.empty()) return {};
-  const auto bad = [](std::string message) {
-    return Fail(Fault(FaultKind::kInvalidOption, std::move(message)).Field("redis-password-file"));
-  };
+// The first line of the file of a flag.
+Result<std::string> ReadPassword(const char* flag, const std::string& path) {
   std::ifstream file(path);
   std::string password;
-  if (!std::getline(file, password) || password.empty()) {
-    return bad("--redis-password-file: " + path + " cannot be read or is empty.");
+  if (std::getline(file, password) && !password.empty()) return password;
+  return Fail(Fault(FaultKind::kInvalidOption,
+                    std::string("--") + flag + ": " + path + " cannot be read or is empty.")
+                  .Field(flag));
+}
+
+// As a URL may have it.
+std::string Escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) != 0) {
+      escaped += c;
+    } else {
+      constexpr const char* kDigits = "0123456789ABCDEF";
+      escaped += {'%', kDigits[byte / 16], kDigits[byte % 16]};
+    }
   }
-  if (!store.starts_with(kRedis)) return bad("--redis-password-file: --store is not redis://….");
-  const std::size_t end = std::min(store.find('/', kRedis.size()), store.size());
+  return escaped;
+}
+
+// Puts the password of the file into "redis://host" and "redis://user@host", also where these name
+// sentinels, a cluster or TLS.
+Status AddPassword(const std::string& path, std::string& store) {
+  if (path.empty()) return {};
+  constexpr const char* kFlag = "redis-password-file";
+  const auto bad = [](std::string message) {
+    return Fail(Fault(FaultKind::kInvalidOption, std::move(message)).Field(kFlag));
+  };
+  TRY(const std::string password, ReadPassword(kFlag, path));
+  const std::size_t scheme = store.find("://");
+  if (!store.starts_with("redis") || scheme == std::string::npos) {
+    return bad("--redis-password-file: --store is not redis://….");
+  }
+  const std::size_t begin = scheme + 3;
+  const std::size_t end = std::min(store.find('/', begin), store.size());
   const std::size_t at = store.rfind('@', end);
   if (at == std::string::npos) {
-    store.insert(kRedis.size(), ":" + password + "@");
+    store.insert(begin, ":" + Escaped(password) + "@");
     return {};
   }
-  if (store.find(':', kRedis.size()) < at) {
+  if (store.find(':', begin) < at) {
     return bad("--redis-password-file: --store has a password too.");
   }
-  store.insert(at, ":" + password);
+  store.insert(at, ":" + Escaped(password));
   return {};
 }
 
@@ -227,6 +253,10 @@ Result<Outcome> Read(const std::vector<std::string>& arguments,
       Milliseconds(age >= 0 ? age : (certificates ? kAgeOfCertificates : 0));
   TRY(config.host.socket_mode, ModeOf(config.socket_mode));
   CHECK_OK(AddPassword(config.redis_password_file, config.host.store.store));
+  if (!config.redis_sentinel_password_file.empty()) {
+    TRY(config.host.store.redis.sentinel_password,
+        ReadPassword("redis-sentinel-password-file", config.redis_sentinel_password_file));
+  }
   outcome.config = config;
   return outcome;
 }

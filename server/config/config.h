@@ -28,6 +28,7 @@ struct Config {
   LogOptions log;
   std::string socket_mode = "0600";
   std::string redis_password_file;
+  std::string redis_sentinel_password_file;
   double connection_age_seconds = -1;  // less than 0: not told
   double drain_delay_seconds = 0;
   double drain_seconds = 5;

@@ -116,12 +116,28 @@ void AddStore(CLI::App& app, Config& config) {
   store::StoreOptions& store = config.host.store;
   constexpr const char* kGroup = "Where sessions are kept";
   app.add_option("--store", store.store,
-                 "memory, sqlite:DIR, or redis://[:PASSWORD@]HOST[:PORT][/DB]; by default the "
-                 "state directory of the user")
+                 "memory, sqlite:DIR, redis://[USER[:PASSWORD]@]HOST[:PORT][/DB], "
+                 "redis+sentinel://HOST[:PORT],.../NAME[/DB] or redis+cluster://HOST[:PORT],...; "
+                 "rediss for TLS. By default the state directory of the user")
       ->capture_default_str()
       ->group(kGroup);
   app.add_option("--redis-password-file", config.redis_password_file,
                  "File with the password of redis, which then is in no command line")
+      ->group(kGroup);
+  app.add_option("--redis-sentinel-password-file", config.redis_sentinel_password_file,
+                 "File with the password of the sentinels, if they have one")
+      ->group(kGroup);
+  app.add_option("--redis-ca", store.redis.ca,
+                 "Authorities of redis in PEM, for rediss; else those of this machine")
+      ->group(kGroup);
+  app.add_option("--redis-cert", store.redis.certificate,
+                 "Certificate in PEM that is shown to redis, for rediss")
+      ->group(kGroup);
+  app.add_option("--redis-key", store.redis.key, "Its private key in PEM")->group(kGroup);
+  app.add_option("--redis-replicas", store.redis.replicas,
+                 "Replicas of redis that have to confirm a change before it is acknowledged")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 16))
       ->group(kGroup);
   app.add_option("--blob-dir", store.blob_dir,
                  "Folder for meshes; DIR/blobs for sqlite, shared by all replicas for redis")

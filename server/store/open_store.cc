@@ -12,6 +12,7 @@
 #include "server/store/memory_store.h"
 #include "server/store/redis/redis.h"
 #include "server/store/redis/redis_store.h"
+#include "server/store/redis/redis_url.h"
 #include "server/store/sqlite/sqlite_store.h"
 #include "server/store/store.h"
 
@@ -19,7 +20,6 @@ namespace arap::store {
 namespace {
 
 constexpr std::string_view kSqlite = "sqlite:";
-constexpr std::string_view kRedis = "redis:";
 
 Fault Malformed(std::string message, std::string field) {
   return Fault(FaultKind::kInvalidOption, std::move(message)).Field(std::move(field));
@@ -74,12 +74,44 @@ Result<Stores> OpenSqlite(const StoreOptions& options) {
   return stores;
 }
 
-Result<Stores> OpenRedis(const StoreOptions& options) {
-  TRY(auto url, ParseRedisUrl(options.store));
+// The options as Redis wants them.
+Result<RedisOptions> RedisOptionsOf(const StoreOptions& options) {
   RedisOptions redis;
-  redis.url = std::move(url);
+  TRY(redis.url, ParseRedisUrl(options.store));
+  const RedisFlags& flags = options.redis;
+  redis.sentinel_password = flags.sentinel_password;
+  redis.replicas = flags.replicas;
+  if (redis.url.access.tls) redis.url.access.tls = RedisTls{flags.ca, flags.certificate, flags.key};
+  return redis;
+}
+
+Status CheckRedisFlags(const RedisFlags& flags, const std::optional<RedisUrl>& url) {
+  const bool tls = url && url->access.tls;
+  for (const auto& [field, file] :
+       {std::pair{"redis_ca", flags.ca}, std::pair{"redis_cert", flags.certificate},
+        std::pair{"redis_key", flags.key}}) {
+    if (file.empty() || tls) continue;
+    return Fail(Malformed("It is for rediss://…, which --store is not.", field));
+  }
+  if (flags.certificate.empty() != flags.key.empty()) {
+    return Fail(Malformed("--redis-cert and --redis-key go together.",
+                          flags.key.empty() ? "redis_cert" : "redis_key"));
+  }
+  if (!flags.sentinel_password.empty() && (!url || url->kind != RedisUrl::Kind::kSentinels)) {
+    return Fail(Malformed("It is for redis+sentinel://…, which --store is not.",
+                          "redis_sentinel_password_file"));
+  }
+  if (flags.replicas > 0 && !url) {
+    return Fail(Malformed("It is for redis://…, which --store is not.", "redis_replicas"));
+  }
+  if (tls) return CheckTls({flags.ca, flags.certificate, flags.key});
+  return {};
+}
+
+Result<Stores> OpenRedis(const StoreOptions& options) {
+  TRY(const RedisOptions redis, RedisOptionsOf(options));
   Stores stores;
-  stores.specs = std::make_unique<RedisSpecStore>(std::move(redis));
+  stores.specs = std::make_unique<RedisSpecStore>(redis);
   CHECK_OK(AddBlobs(WithoutSlash(options.blob_dir), stores));
   CHECK_OK(CheckFacts(options, stores));
   return stores;
@@ -187,17 +219,19 @@ class MeasuredBlobs final : public BlobStore {
 
 Status CheckStore(const StoreOptions& options) {
   const std::string& store = options.store;
-  if (store.starts_with(kRedis)) {
-    CHECK_OK(ParseRedisUrl(store));
+  if (NamesRedis(store)) {
+    TRY(const RedisUrl url, ParseRedisUrl(store));
+    CHECK_OK(CheckRedisFlags(options.redis, url));
     if (!options.blob_dir.empty()) return {};
     return Fail(
         Malformed("With redis, --blob-dir is needed, a folder for the meshes that all replicas "
                   "share.",
                   "blob_dir"));
   }
+  CHECK_OK(CheckRedisFlags(options.redis, std::nullopt));
   if (store == "memory" || (store.starts_with(kSqlite) && store.size() > kSqlite.size())) return {};
   return Fail(Malformed(fmt::format("--store {} is none of memory, sqlite:DIR and "
-                                    "redis://[:PASSWORD@]HOST[:PORT][/DB].",
+                                    "redis://[USER[:PASSWORD]@]HOST[:PORT][/DB].",
                                     StoreForLog(options)),
                         "store"));
 }
@@ -205,7 +239,7 @@ Status CheckStore(const StoreOptions& options) {
 Result<Stores> OpenStores(const StoreOptions& options) {
   CHECK_OK(CheckStore(options));
   if (options.store.starts_with(kSqlite)) return OpenSqlite(options);
-  if (options.store.starts_with(kRedis)) return OpenRedis(options);
+  if (NamesRedis(options.store)) return OpenRedis(options);
   Stores stores;
   stores.specs = std::make_unique<MemorySpecStore>();
   stores.blobs = std::make_unique<MemoryBlobStore>();

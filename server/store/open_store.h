@@ -12,14 +12,22 @@
 
 namespace arap::store {
 
+// What is told of Redis beside its URL. All may be left out.
+struct RedisFlags {
+  std::string sentinel_password = {};
+  std::string ca = {}, certificate = {}, key = {};  // files in PEM, for rediss://
+  int replicas = 0;                                 // that have to confirm a change
+};
+
 struct StoreOptions {
-  // memory                                   everything ends with the process
-  // sqlite:DIR                               records and blobs in a directory, for one server
-  // redis://[:PASSWORD@]HOST[:PORT][/DB]     records in Redis, for many replicas
+  // memory          everything ends with the process
+  // sqlite:DIR      records and blobs in a directory, for one server
+  // redis://…       records in Redis, for many servers (redis/redis_url.h has all forms)
   std::string store = "memory";
   // Where blobs are. With sqlite DIR/blobs when empty; with redis a folder that all replicas share;
   // without meaning for memory.
   std::string blob_dir;
+  RedisFlags redis;
   // Starts also with a store that may lose what it has acknowledged: a Redis that evicts keys or
   // writes nothing to disk. Then blobs that are another store's, as they are when Redis has lost
   // everything, are no reason not to start either; they are not swept.
@@ -36,8 +44,9 @@ struct Stores {
   bool allow_lossy = false;  // as in the options
 };
 
-// Whether the options are well-formed; looks at nothing else. kInvalidOption with the field "store"
-// or "blob_dir". No fault names a password.
+// Whether the options are well-formed; looks at nothing but the files that they name.
+// kInvalidOption with the field "store", "blob_dir", "redis_ca", "redis_cert", "redis_key",
+// "redis_replicas" or "redis_sentinel_password_file". No fault names a password.
 Status CheckStore(const StoreOptions& options);
 
 // Makes DIR and the blob directory, with mode 0700, in parents that are there. Redis need not be

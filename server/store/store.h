@@ -123,8 +123,9 @@ struct Weakness {
 };
 
 // Every reason that a Weakness may have.
-inline constexpr const char* kWeaknesses[] = {"evicts",     "forgets",       "flushes_rarely",
-                                              "clock_skew", "foreign_blobs", "mass_removal"};
+inline constexpr const char* kWeaknesses[] = {"evicts",       "forgets",    "flushes_rarely",
+                                              "unreplicated", "clock_skew", "foreign_blobs",
+                                              "mass_removal"};
 
 // What a store says of itself.
 struct StoreFacts {

@@ -7,7 +7,8 @@
 
 namespace arap::store {
 
-// Keys, under a prefix:
+// Keys, under a prefix, which in a cluster stands in braces and so puts all of them into one slot:
+// scripts work on keys of a session, of its owner and of all at once.
 //   session:PLACE   hash: incarnation, revision, token (of the Put that wrote it), record
 //                   (record_format.h), expires (counts; the one in the record is that of the last
 //                   Put), blobs
@@ -103,9 +104,10 @@ end
 return removed
 )lua";
 
-// ARGV prefix cursor. The next cursor, then one string of blobs for every session on the way.
-// Looks at the keys of the sessions themselves and not at an index: a session that were missed
-// would lose its blobs.
+// KEYS a key that is not there; ARGV prefix cursor. The next cursor, then one string of blobs for
+// every session on the way. Looks at the keys of the sessions themselves and not at an index: a
+// session that were missed would lose its blobs. The key makes a node of a cluster that is giving
+// its slot away refuse, since it has a part of the sessions only.
 inline const char* const kReferencedBody = R"lua(
 local page = redis.call('SCAN', ARGV[2], 'MATCH', ARGV[1] .. 'session:*', 'COUNT', 500)
 local found = {page[1]}

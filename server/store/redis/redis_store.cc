@@ -94,10 +94,12 @@ Usage SumOfCounts(const std::vector<std::string>& values) {
 
 }  // namespace
 
-RedisSpecStore::RedisSpecStore(RedisOptions options)
-    : prefix_(std::move(options.prefix)),
+RedisSpecStore::RedisSpecStore(const RedisOptions& options)
+    : prefix_(PrefixOf(options)),
+      fails_over_(options.url.kind != RedisUrl::Kind::kServer),
+      replicas_(options.replicas),
       writer_(RandomName()),
-      pool_(std::move(options.url), options.timeout) {}
+      pool_(options) {}
 
 std::vector<std::string> RedisSpecStore::KeysOf(const SessionKey& key) const {
   return {Key("session:" + PlaceOf(key)), Key("ids:" + key.owner), Key("counts:" + key.owner),
@@ -225,11 +227,15 @@ Result<std::vector<SessionKey>> RedisSpecStore::RemoveExpired(runtime::Clock::Wa
   return removed;
 }
 
+// On one connection, for a cursor is good for the server alone that made it: another one, or the
+// same one started anew, would pass over sessions in silence. So a break ends it.
 Result<std::set<std::string>> RedisSpecStore::ReferencedBlobs() {
   std::set<std::string> blobs;
   std::string cursor = "0";
+  TRY(const auto connection, pool_.Alone());
   do {
-    TRY(const auto reply, pool_.Run(scripts_.referenced, {}, {prefix_, cursor}));
+    TRY(const auto reply, connection->Run(RedisCommand{"EVAL", scripts_.referenced.text, "1",
+                                                       Key("no-such-key"), prefix_, cursor}));
     const std::vector<std::string> found = reply.Texts();
     if (found.empty()) return Fail(Unavailable("Redis did not answer what was asked"));
     cursor = found[0];
@@ -250,11 +256,12 @@ Result<std::optional<runtime::Clock::Wall>> RedisSpecStore::Time() {
 
 Result<StoreFacts> RedisSpecStore::Facts() {
   TRY(const std::string fresh, RandomHex(32));
-  TRY(const auto replies, pool_.Run({{"SET", Key("id"), fresh, "NX"},
-                                     {"GET", Key("id")},
-                                     {"INFO", "memory"},
-                                     {"INFO", "persistence"},
-                                     {"CONFIG", "GET", "save"}}));
+  TRY(const auto replies, pool_.Change({{"SET", Key("id"), fresh, "NX"},
+                                        {"GET", Key("id")},
+                                        {"INFO", "memory"},
+                                        {"INFO", "persistence"},
+                                        {"CONFIG", "GET", "save"},
+                                        {"CONFIG", "GET", "min-replicas-to-write"}}));
   // Who may not see how Redis is set up cannot judge it; the id is needed.
   for (const std::size_t needed : {0u, 1u}) {
     if (replies[needed].IsError()) return Fail(FaultOf(replies[needed]));
@@ -270,6 +277,14 @@ Result<StoreFacts> RedisSpecStore::Facts() {
                      "not noeviction.",
                      policy),
          true});
+  }
+  const std::vector<std::string> confirmers = replies[5].Texts();
+  if (fails_over_ && replicas_ == 0 && confirmers.size() == 2 && confirmers[1] == "0") {
+    facts.weaknesses.push_back(
+        {"unreplicated",
+         "Redis answers before a replica has a change: when another server becomes the master the "
+         "last changes may be lost (--redis-replicas, min-replicas-to-write).",
+         false});
   }
   if (ValueOf(disk, "aof_enabled") != "0") return facts;
   const std::vector<std::string> save = replies[4].Texts();
@@ -288,6 +303,7 @@ Result<StoreFacts> RedisSpecStore::Facts() {
 }
 
 Status RedisSpecStore::Probe() {
+  pool_.Follow();
   TRY(const auto reply, pool_.Run(RedisCommand{"PING"}));
   return {};
 }

@@ -7,27 +7,26 @@
 #include <string>
 #include <vector>
 
-#include "server/store/redis/redis.h"
+#include "server/store/redis/redis_pool.h"
 #include "server/store/redis/redis_scripts.h"
 #include "server/store/store.h"
 
 namespace arap::store {
-
-struct RedisOptions {
-  RedisUrl url;
-  std::string prefix = "arap:";  // of all keys; no character that SCAN's patterns know (*?[\)
-  std::chrono::milliseconds timeout{1'000};  // of connecting and of every command
-};
 
 // As durable as Redis is configured to be (appendonly, appendfsync); it must not evict keys
 // (maxmemory-policy noeviction). Facts says so when it is not. While it is gone calls fail at once,
 // while it hangs within RedisOptions::timeout; afterwards the next call works. When a connection
 // breaks in the middle of a call and no new one can be had, whether something was changed is not
 // known.
+//
+// Redis answers before its replicas have a change. With RedisOptions::replicas a call that changes
+// something returns when so many have it; what fewer have is a fault, and may be there or not. In a
+// cluster all keys are in one slot, that is on one node and its replicas: a cluster takes over like
+// sentinels do, and holds no more than one of its nodes. While that slot is being moved calls fail.
 class RedisSpecStore : public SpecStore {
  public:
   // Connects at the first call.
-  explicit RedisSpecStore(RedisOptions options);
+  explicit RedisSpecStore(const RedisOptions& options);
 
   Result<std::optional<SessionRecord>> Load(const SessionKey& key) override;
   Result<std::optional<RecordVersion>> Version(const SessionKey& key) override;
@@ -60,6 +59,8 @@ class RedisSpecStore : public SpecStore {
   Result<bool> Remove(const SessionKey& key, std::string expires);
 
   const std::string prefix_;
+  const bool fails_over_;  // another server may become the master
+  const int replicas_;
   const std::string writer_;  // no other store has it
   std::atomic<std::uint64_t> writes_{0};
   const RedisScripts scripts_;

@@ -34,7 +34,8 @@ class ContractTest : public ::testing::TestWithParam<testing::StoreKind> {
 
 INSTANTIATE_TEST_SUITE_P(Stores, ContractTest,
                          ::testing::Values(testing::StoreKind::kMemory, testing::StoreKind::kSqlite,
-                                           testing::StoreKind::kRedis),
+                                           testing::StoreKind::kRedis,
+                                           testing::StoreKind::kRedisTls),
                          ::testing::PrintToStringParamName());
 
 TEST_P(ContractTest, RandomRecordsComeBackBitForBit) {

@@ -46,14 +46,9 @@ class DamagedSession : public ::testing::Test {
 
   // To another revision, so that servers with shared records notice.
   void DamageInRedis() const {
-    auto connection =
-        store::RedisConnection::Open(*store::ParseRedisUrl(redis_->Url()), std::chrono::seconds(5));
-    ASSERT_TRUE(connection);
-    const store::RedisCommand command{"HSET",    "arap:session:3:ann:b", "revision", "7", "record",
-                                      "nonsense"};
-    const auto replies = (*connection)->Run({command});
-    ASSERT_TRUE(replies);
-    ASSERT_FALSE(replies->front().IsError());
+    const auto reply = testing::RawRedis(
+        redis_->Url(), {"HSET", "arap:session:3:ann:b", "revision", "7", "record", "nonsense"});
+    ASSERT_FALSE(reply.IsError());
   }
   void DamageInSqlite() const {
     auto database =

@@ -8,6 +8,7 @@
 
 #include "server/store/open_store.h"
 #include "server/store/redis/redis.h"
+#include "server/store/redis/redis_url.h"
 #include "tests/server/store/records.h"
 #include "tests/server/store/redis_server.h"
 #include "tests/server/store/store_kind.h"
@@ -24,9 +25,34 @@ Result<Stores> Open(const std::string& store, const std::string& blob_dir = "") 
 }
 
 TEST(OpenStoreTest, WhatIsMalformedIsNamed) {
-  for (const char* store : {"", "sqlite", "sqlite:", "Memory", "mongo://x", "redis:", "redis://",
-                            "redis://:6379", "redis://h:0", "redis://h:65536", "redis://h:x",
-                            "redis://h/x", "redis://user@h", "redis://:%4@h", "redis://[::1"}) {
+  for (const char* store : {"",
+                            "sqlite",
+                            "sqlite:",
+                            "Memory",
+                            "mongo://x",
+                            "redis:",
+                            "redis://",
+                            "redis://:6379",
+                            "redis://h:0",
+                            "redis://h:65536",
+                            "redis://h:x",
+                            "redis://h/x",
+                            "redis://@h",
+                            "redis://:%4@h",
+                            "redis://u%4@h",
+                            "redis://[::1",
+                            "redis://a,b",
+                            "redis://h/0/1",
+                            "redis+tls://h",
+                            "redis+sentinel://h",
+                            "redis+sentinel://h/",
+                            "redis+sentinel://h,/m",
+                            "redis+sentinel://h/m/x",
+                            "redis+sentinel:///m",
+                            "redis+cluster://",
+                            "redis+cluster://h/1",
+                            "redis+cluster://h,",
+                            "rediss:h"}) {
     const auto stores = Open(store, "/nonexistent");
     ASSERT_FALSE(stores) << store;
     EXPECT_EQ(stores.error().kind, FaultKind::kInvalidOption) << store;
@@ -38,18 +64,68 @@ TEST(OpenStoreTest, WhatIsMalformedIsNamed) {
 TEST(OpenStoreTest, UrlsOfRedis) {
   const auto full = ParseRedisUrl("redis://:p%40ss:w@[::1]:7000/3");
   ASSERT_TRUE(full);
-  EXPECT_EQ(full->host, "::1");
-  EXPECT_EQ(full->port, 7000);
-  EXPECT_EQ(full->password, "p@ss:w");
-  EXPECT_EQ(full->database, 3);
+  EXPECT_EQ(full->places, (std::vector<RedisPlace>{{"::1", 7000}}));
+  EXPECT_EQ(full->access.user, "");
+  EXPECT_EQ(full->access.password, "p@ss:w");
+  EXPECT_EQ(full->access.database, 3);
+  EXPECT_FALSE(full->access.tls);
   const auto plain = ParseRedisUrl("redis://example.org/");
   ASSERT_TRUE(plain);
-  EXPECT_EQ(plain->host, "example.org");
-  EXPECT_EQ(plain->port, 6379);
+  EXPECT_EQ(plain->kind, RedisUrl::Kind::kServer);
+  EXPECT_EQ(plain->places, (std::vector<RedisPlace>{{"example.org", 6379}}));
+  const auto sentinels = ParseRedisUrl("rediss+sentinel://us%65r:w@a,[::2]:7,c:8/main/5");
+  ASSERT_TRUE(sentinels);
+  EXPECT_EQ(sentinels->kind, RedisUrl::Kind::kSentinels);
+  EXPECT_EQ(sentinels->places, (std::vector<RedisPlace>{{"a", 26379}, {"::2", 7}, {"c", 8}}));
+  EXPECT_EQ(sentinels->master, "main");
+  EXPECT_EQ(sentinels->access.user, "user");
+  EXPECT_EQ(sentinels->access.password, "w");
+  EXPECT_EQ(sentinels->access.database, 5);
+  EXPECT_TRUE(sentinels->access.tls);
+  const auto cluster = ParseRedisUrl("redis+cluster://user@a:1,b/0");
+  ASSERT_TRUE(cluster);
+  EXPECT_EQ(cluster->kind, RedisUrl::Kind::kCluster);
+  EXPECT_EQ(cluster->places, (std::vector<RedisPlace>{{"a", 1}, {"b", 6379}}));
+  EXPECT_EQ(cluster->access.user, "user");
+}
+
+TEST(OpenStoreTest, WhatIsToldOfRedisHasToFit) {
+  const testing::TempDir dir;
+  testing::Spill(dir / "junk", "no certificate");
+  const struct {
+    std::string store;
+    RedisFlags flags = {};
+    std::string field, says;
+  } kCases[] = {
+      {"redis://h", {.ca = dir / "junk"}, "redis_ca", "rediss"},
+      {"memory", {.certificate = "a", .key = "b"}, "redis_cert", "rediss"},
+      {"redis://h", {.key = "b"}, "redis_key", "rediss"},
+      {"rediss://h", {.key = "b"}, "redis_key", "go together"},
+      {"rediss://h", {.certificate = "b"}, "redis_cert", "go together"},
+      {"rediss://h", {.ca = dir / "junk"}, "redis_ca", "no certificate"},
+      {"rediss://h", {.ca = dir / "none"}, "redis_ca", "none"},
+      {"rediss://h", {.certificate = dir / "junk", .key = dir / "junk"}, "redis_cert", "junk"},
+      {"redis://h", {.sentinel_password = "s3cret"}, "redis_sentinel_password_file", "sentinel"},
+      {"sqlite:x", {.replicas = 1}, "redis_replicas", "redis://"},
+  };
+  for (const auto& [store, flags, field, says] : kCases) {
+    StoreOptions options;
+    options.store = store;
+    options.blob_dir = dir / "blobs";
+    options.redis = flags;
+    const Status checked = CheckStore(options);
+    ASSERT_FALSE(checked) << store << " " << field;
+    EXPECT_EQ(checked.error().kind, FaultKind::kInvalidOption);
+    EXPECT_EQ(checked.error().field, field);
+    EXPECT_NE(checked.error().message.find(says), std::string::npos) << checked.error().message;
+    EXPECT_EQ(checked.error().message.find("s3cret"), std::string::npos);
+  }
 }
 
 TEST(OpenStoreTest, NoFaultNamesAPassword) {
-  for (const char* store : {"redis://:secret@h:x", "redis:/:secret@h", "http://:secret@h"}) {
+  for (const char* store : {"redis://:secret@h:x", "redis:/:secret@h", "http://:secret@h",
+                            "rediss+sentinel://user:secret@a,b", "redis+cluster://u:secret@a/9",
+                            "redis://secret@h:x"}) {
     StoreOptions options;
     options.store = store;
     EXPECT_EQ(Open(store, "/nonexistent").error().message.find("secret"), std::string::npos);

@@ -86,7 +86,7 @@ TEST(RedisFaultTest, PasswordsOpenAndStaySecret) {
   EXPECT_EQ(right.Put(PlainRecord("ann", "s")), true);
   RedisOptions options = Options(redis.Url());
   for (const char* password : {"wr0ng-one", ""}) {
-    options.url.password = password;
+    options.url.access.password = password;
     RedisSpecStore wrong(options);
     const auto probe = wrong.Probe();
     ASSERT_FALSE(probe);

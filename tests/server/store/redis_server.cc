@@ -18,7 +18,6 @@
 #include <unistd.h>
 
 namespace arap::testing {
-namespace {
 
 int FreePort() {
   const int socket_fd = socket(AF_INET, SOCK_STREAM, 0);
@@ -32,9 +31,7 @@ int FreePort() {
   return good ? ntohs(address.sin_port) : 0;
 }
 
-}  // namespace
-
-RedisServer::RedisServer(std::string password) : password_(std::move(password)) {
+RedisServer::RedisServer(RedisSetup setup) : setup_(std::move(setup)) {
   // Somebody may take the port before Redis does.
   for (int attempt = 0; attempt < 20; ++attempt) {
     port_ = FreePort();
@@ -46,7 +43,7 @@ RedisServer::RedisServer(std::string password) : password_(std::move(password)) 
 RedisServer::~RedisServer() { Kill(); }
 
 std::string RedisServer::Url() const {
-  const std::string user = password_.empty() ? "" : ":" + password_ + "@";
+  const std::string user = setup_.password.empty() ? "" : ":" + setup_.password + "@";
   return "redis://" + user + "127.0.0.1:" + std::to_string(port_);
 }
 
@@ -66,7 +63,14 @@ bool RedisServer::Answers() const {
   return good;
 }
 
-bool RedisServer::Start() {
+std::vector<std::string> RedisServer::CommandLine() const {
+  if (!setup_.sentinel.empty()) {
+    // It writes into the file what it has found out.
+    const std::string file = dir_ / "sentinel.conf";
+    Spill(file, "port " + std::to_string(port_) + "\nbind 127.0.0.1\ndir " + dir_.path() +
+                    "\nlogfile " + (dir_ / "log") + "\n" + setup_.sentinel);
+    return {ARAP_REDIS_SERVER, file, "--sentinel"};
+  }
   std::vector<std::string> words{ARAP_REDIS_SERVER,
                                  "--bind",
                                  "127.0.0.1",
@@ -84,7 +88,13 @@ bool RedisServer::Start() {
                                  dir_ / "log",
                                  "--daemonize",
                                  "no"};
-  if (!password_.empty()) words.insert(words.end(), {"--requirepass", password_});
+  if (!setup_.password.empty()) words.insert(words.end(), {"--requirepass", setup_.password});
+  words.insert(words.end(), setup_.words.begin(), setup_.words.end());
+  return words;
+}
+
+bool RedisServer::Start() {
+  std::vector<std::string> words = CommandLine();
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);

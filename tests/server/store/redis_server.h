@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <sys/types.h>
 
@@ -9,10 +10,18 @@
 
 namespace arap::testing {
 
+struct RedisSetup {
+  std::string password;            // of the default user
+  std::vector<std::string> words;  // more of the command line
+  std::string sentinel;            // makes a sentinel of it: the lines of its configuration
+};
+
 // Writes every change to disk before it answers. Ends with the object.
 class RedisServer {
  public:
-  explicit RedisServer(std::string password = "");
+  explicit RedisServer(const std::string& password = "")
+      : RedisServer(RedisSetup{password, {}, {}}) {}
+  explicit RedisServer(RedisSetup setup);
   ~RedisServer();
   RedisServer(const RedisServer&) = delete;
   RedisServer& operator=(const RedisServer&) = delete;
@@ -29,12 +38,16 @@ class RedisServer {
 
  private:
   bool Start();
+  std::vector<std::string> CommandLine() const;
   bool Answers() const;
 
   TempDir dir_;
-  std::string password_;
+  const RedisSetup setup_;
   int port_ = 0;
   pid_t process_ = -1;
 };
+
+// One that nobody listens on just now.
+int FreePort();
 
 }  // namespace arap::testing

@@ -4,6 +4,8 @@
 #include <memory>
 #include <optional>
 #include <ostream>
+#include <string>
+#include <vector>
 
 #include "server/runtime/clock.h"
 #include "server/store/open_store.h"
@@ -13,7 +15,8 @@
 
 namespace arap::testing {
 
-enum class StoreKind { kMemory, kSqlite, kRedis };
+// With TLS also by the name of a user.
+enum class StoreKind { kMemory, kSqlite, kRedis, kRedisTls };
 std::ostream& operator<<(std::ostream& out, StoreKind kind);
 
 // A store with all that it needs to run.
@@ -25,9 +28,26 @@ class StoreUnderTest {
   store::BlobStore& blobs() { return *stores_.blobs; }
 
  private:
+  void StartRedis(StoreKind kind, store::StoreOptions& options);
+
   TempDir dir_;
   std::unique_ptr<RedisServer> redis_;
   store::Stores stores_;
+};
+
+// A Redis that speaks TLS too, with certificates of its own in a folder: "ca.pem", which has made them
+// all, "server.pem" for localhost and 127.0.0.1, "client.pem" and "client.key".
+class TlsRedis {
+ public:
+  // `words` are more of its command line.
+  explicit TlsRedis(const std::string& folder, const std::vector<std::string>& words = {});
+
+  int tls_port() const { return tls_port_; }
+  std::unique_ptr<RedisServer>& server() { return server_; }
+
+ private:
+  int tls_port_ = 0;
+  std::unique_ptr<RedisServer> server_;
 };
 
 // A command past the store; a failure of the test when Redis does not answer it.

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/store/redis/redis_url.h"
 #include "tests/system/fault/server_process.h"
 
 namespace arap::fault {
@@ -138,8 +139,27 @@ TEST_F(ConfigTest, PasswordOfRedisIsReadFromItsFile) {
   };
   EXPECT_EQ(store("redis://host:1/2"), "redis://:w0rd@host:1/2");
   EXPECT_EQ(store("redis://user@host"), "redis://user:w0rd@host");
+  EXPECT_EQ(store("rediss+sentinel://user@a,b/main"), "rediss+sentinel://user:w0rd@a,b/main");
+  EXPECT_EQ(store("redis+cluster://a:1,b"), "redis+cluster://:w0rd@a:1,b");
   EXPECT_THAT(store("redis://:other@host"), HasSubstr("a password too"));
   EXPECT_THAT(store("memory"), HasSubstr("--redis-password-file"));
+}
+
+TEST_F(ConfigTest, PasswordsInFilesMayHaveAnyCharacter) {
+  const std::string file = Put("odd", "a%41/@:,b\n"), guard = Put("guard", "g\n");
+  const auto read = config::Read({"--store", "redis+sentinel://u@h/m", "--redis-password-file",
+                                  file, "--redis-sentinel-password-file", guard},
+                                 {"ARAPD_REDIS_REPLICAS=2"});
+  ASSERT_TRUE(read) << read.error().message;
+  const auto url = store::ParseRedisUrl(read->config.host.store.store);
+  ASSERT_TRUE(url) << url.error().message;
+  EXPECT_EQ(url->access.password, "a%41/@:,b");
+  EXPECT_EQ(read->config.host.store.redis.sentinel_password, "g");
+  EXPECT_EQ(read->config.host.store.redis.replicas, 2);
+  EXPECT_EQ(Setting(*read, "redis-replicas"), "2 environment");
+  const auto none = config::Read({"--redis-sentinel-password-file", folder_ / "none"}, {});
+  ASSERT_FALSE(none);
+  EXPECT_THAT(none.error().message, HasSubstr("--redis-sentinel-password-file"));
 }
 
 TEST_F(ConfigTest, PasswordsAreNotLeftInTheCommandLine) {
@@ -204,6 +224,12 @@ TEST_F(ConfigTest, CheckNamesWhatIsWrong) {
            {{"--log-file", folder_ / "a", "--access-log", folder_ / "a"}, "same file"},
            {{"--store", "mysql:x"}, "--store"},
            {{"--store", "redis://:w0rd@host:1"}, "--blob-dir"},
+           {{"--store", "redis+sentinel://:w0rd@host:1", "--blob-dir", "x"}, "NAME"},
+           {{"--redis-ca", "x"}, "--redis-ca: It is for rediss://"},
+           {{"--store", "rediss://h", "--blob-dir", "x", "--redis-cert", "c"}, "--redis-key"},
+           {{"--store", "rediss://h", "--blob-dir", "x", "--redis-ca", "no-ca"}, "no-ca"},
+           {{"--redis-replicas", "1"}, "--redis-replicas"},
+           {{"--redis-replicas", "17"}, "--redis-replicas"},
            {{"--token-file", folder_ / "no-tokens"}, "no-tokens"},
            {{"--tls-cert", folder_ / "no.pem", "--tls-key", folder_ / "no.pem"}, "no.pem"},
            {{"--listen", "0.0.0.0:0"}, "0.0.0.0:0"},
