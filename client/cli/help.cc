@@ -222,6 +222,9 @@ constexpr Example kExamples[] = {
     {"token revoke",
      "arapctl token revoke --file tokens.json --id 3f9c2b7a\n"
      "arapctl token revoke --file tokens.json --owner alice"},
+    {"init-tls",
+     "arapctl init-tls tls\n"
+     "arapctl init-tls tls --host arapd.example.org --client alice --client bob"},
     {"sample character", "arapctl sample character --out bear.obj --track wave.json"},
     {"sample garment", "arapctl sample garment --out skirt.obj"},
     {"sample face", "arapctl sample face --edge 1 --out face.obj"},
