@@ -253,6 +253,11 @@ Result<Outcome> Read(const std::vector<std::string>& arguments,
       Milliseconds(age >= 0 ? age : (certificates ? kAgeOfCertificates : 0));
   TRY(config.host.socket_mode, ModeOf(config.socket_mode));
   CHECK_OK(AddPassword(config.redis_password_file, config.host.store.store));
+  // By the names that other programs have for them.
+  store::S3Flags& s3 = config.host.store.s3;
+  s3.key_id = Find(environment, "AWS_ACCESS_KEY_ID");
+  s3.secret = Find(environment, "AWS_SECRET_ACCESS_KEY");
+  s3.session_token = Find(environment, "AWS_SESSION_TOKEN");
   if (!config.redis_sentinel_password_file.empty()) {
     TRY(config.host.store.redis.sentinel_password,
         ReadPassword("redis-sentinel-password-file", config.redis_sentinel_password_file));

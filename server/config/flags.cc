@@ -140,7 +140,30 @@ void AddStore(CLI::App& app, Config& config) {
       ->check(CLI::Range(0, 16))
       ->group(kGroup);
   app.add_option("--blob-dir", store.blob_dir,
-                 "Folder for meshes; DIR/blobs for sqlite, shared by all replicas for redis")
+                 "Folder for meshes; DIR/blobs for sqlite, shared by all replicas for redis. With "
+                 "--blob-store a cache of this server alone, or none")
+      ->group(kGroup);
+  app.add_option("--blob-store", store.blob_store,
+                 "s3://BUCKET[/PREFIX]: meshes in an S3-compatible object store")
+      ->group(kGroup);
+  app.add_option("--s3-endpoint", store.s3.endpoint,
+                 "https://HOST[:PORT] of the object store; by default Amazon's of the region")
+      ->group(kGroup);
+  app.add_option("--s3-region", store.s3.region, "Region of the bucket")
+      ->capture_default_str()
+      ->group(kGroup);
+  app.add_option("--s3-credentials-file", store.s3.credentials_file,
+                 "File with aws_access_key_id = … and aws_secret_access_key = …; without it the "
+                 "variables AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY count. Read again for "
+                 "every request")
+      ->group(kGroup);
+  app.add_option("--s3-ca", store.s3.ca,
+                 "Authorities of the object store in PEM, else those of this machine")
+      ->group(kGroup);
+  app.add_option("--s3-cache-bytes", store.s3.cache_bytes,
+                 "Bytes of meshes in --blob-dir; those that were used least recently go")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1e15))
       ->group(kGroup);
   app.add_flag("--allow-lossy-store", store.allow_lossy,
                "Start also with a Redis that evicts keys or keeps nothing on disk")

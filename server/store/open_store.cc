@@ -1,5 +1,7 @@
 #include "server/store/open_store.h"
 
+#include <algorithm>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -9,6 +11,7 @@
 #include "core/base/try.h"
 #include "server/runtime/clock.h"
 #include "server/store/blobs/file_blobs.h"
+#include "server/store/blobs/s3_blobs.h"
 #include "server/store/memory_store.h"
 #include "server/store/redis/redis.h"
 #include "server/store/redis/redis_store.h"
@@ -30,7 +33,64 @@ std::string WithoutSlash(std::string path) {
   return path;
 }
 
-Status AddBlobs(const std::string& directory, Stores& stores) {
+// The options as the object store wants them.
+Result<S3Options> S3OptionsOf(const StoreOptions& options) {
+  const S3Flags& flags = options.s3;
+  S3Options s3;
+  CHECK_OK(ParseS3Url(options.blob_store, s3));
+  s3.region = flags.region;
+  s3.endpoint =
+      WithoutSlash(flags.endpoint.empty() ? fmt::format("https://s3.{}.amazonaws.com", flags.region)
+                                          : flags.endpoint);
+  s3.credentials_file = flags.credentials_file;
+  s3.key_id = flags.key_id;
+  s3.secret = flags.secret;
+  s3.session_token = flags.session_token;
+  s3.ca = flags.ca;
+  return s3;
+}
+
+Status CheckS3(const StoreOptions& options) {
+  const S3Flags& flags = options.s3;
+  if (options.blob_store.empty()) {
+    if (flags.credentials_file.empty() && flags.endpoint.empty()) return {};
+    return Fail(Malformed("It is for --blob-store s3://….",
+                          flags.endpoint.empty() ? "s3_credentials_file" : "s3_endpoint"));
+  }
+  if (options.store == "memory") {
+    return Fail(Malformed("With --store memory there are no blobs to keep.", "blob_store"));
+  }
+  const auto is_plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
+  };
+  if (flags.region.empty() || !std::all_of(flags.region.begin(), flags.region.end(), is_plain)) {
+    return Fail(Malformed("A region is small letters, digits and hyphens.", "s3_region"));
+  }
+  TRY(S3Options s3, S3OptionsOf(options));
+  const std::size_t scheme = s3.endpoint.find("://");
+  const std::string host = scheme == std::string::npos ? "" : s3.endpoint.substr(scheme + 3);
+  if ((!s3.endpoint.starts_with("http://") && !s3.endpoint.starts_with("https://")) ||
+      host.empty() || host.find_first_of("/?#@ ") != std::string::npos) {
+    return Fail(Malformed("It is not of the form https://HOST[:PORT].", "s3_endpoint"));
+  }
+  if (!s3.credentials_file.empty()) return ReadS3Credentials(s3.credentials_file, s3);
+  if (!s3.key_id.empty() && !s3.secret.empty()) return {};
+  return Fail(
+      Malformed("It is needed with --blob-store, or AWS_ACCESS_KEY_ID and "
+                "AWS_SECRET_ACCESS_KEY in the environment.",
+                "s3_credentials_file"));
+}
+
+Status AddBlobs(const StoreOptions& options, const std::string& directory, Stores& stores) {
+  if (!options.blob_store.empty()) {
+    TRY(S3Options s3, S3OptionsOf(options));
+    std::unique_ptr<BlobCache> cache;
+    if (!options.blob_dir.empty() && options.s3.cache_bytes > 0) {
+      TRY(cache, BlobCache::Open(WithoutSlash(options.blob_dir), options.s3.cache_bytes));
+    }
+    stores.blobs = std::make_unique<S3BlobStore>(std::move(s3), std::move(cache));
+    return {};
+  }
   TRY(auto blobs, FileBlobStore::Open(directory));
   stores.blobs = std::move(blobs);
   return {};
@@ -69,7 +129,7 @@ Result<Stores> OpenSqlite(const StoreOptions& options) {
   stores.specs = std::move(specs);
   const std::string blobs =
       options.blob_dir.empty() ? directory + "/blobs" : WithoutSlash(options.blob_dir);
-  CHECK_OK(AddBlobs(blobs, stores));
+  CHECK_OK(AddBlobs(options, blobs, stores));
   CHECK_OK(CheckFacts(options, stores));
   return stores;
 }
@@ -112,7 +172,7 @@ Result<Stores> OpenRedis(const StoreOptions& options) {
   TRY(const RedisOptions redis, RedisOptionsOf(options));
   Stores stores;
   stores.specs = std::make_unique<RedisSpecStore>(redis);
-  CHECK_OK(AddBlobs(WithoutSlash(options.blob_dir), stores));
+  CHECK_OK(AddBlobs(options, WithoutSlash(options.blob_dir), stores));
   CHECK_OK(CheckFacts(options, stores));
   return stores;
 }
@@ -219,13 +279,14 @@ class MeasuredBlobs final : public BlobStore {
 
 Status CheckStore(const StoreOptions& options) {
   const std::string& store = options.store;
+  CHECK_OK(CheckS3(options));
   if (NamesRedis(store)) {
     TRY(const RedisUrl url, ParseRedisUrl(store));
     CHECK_OK(CheckRedisFlags(options.redis, url));
-    if (!options.blob_dir.empty()) return {};
+    if (!options.blob_dir.empty() || !options.blob_store.empty()) return {};
     return Fail(
         Malformed("With redis, --blob-dir is needed, a folder for the meshes that all replicas "
-                  "share.",
+                  "share, or --blob-store.",
                   "blob_dir"));
   }
   CHECK_OK(CheckRedisFlags(options.redis, std::nullopt));

@@ -19,14 +19,27 @@ struct RedisFlags {
   int replicas = 0;                                 // that have to confirm a change
 };
 
+// What is told of blobs in an object store beside its URL.
+struct S3Flags {
+  std::string endpoint = {};  // empty: that of Amazon in the region
+  std::string region = "us-east-1";
+  std::string credentials_file = {};
+  std::string key_id = {}, secret = {}, session_token = {};  // without a file
+  std::string ca = {};                                       // authorities in PEM
+  std::size_t cache_bytes = std::size_t{4} << 30u;
+};
+
 struct StoreOptions {
   // memory          everything ends with the process
   // sqlite:DIR      records and blobs in a directory, for one server
   // redis://…       records in Redis, for many servers (redis/redis_url.h has all forms)
   std::string store = "memory";
   // Where blobs are. With sqlite DIR/blobs when empty; with redis a folder that all replicas share;
-  // without meaning for memory.
+  // without meaning for memory. With a blob store the cache of this server, or empty for none.
   std::string blob_dir;
+  // Empty, or s3://BUCKET[/PREFIX]: blobs in an S3-compatible object store.
+  std::string blob_store;
+  S3Flags s3;
   RedisFlags redis;
   // Starts also with a store that may lose what it has acknowledged: a Redis that evicts keys or
   // writes nothing to disk. Then blobs that are another store's, as they are when Redis has lost
@@ -45,8 +58,9 @@ struct Stores {
 };
 
 // Whether the options are well-formed; looks at nothing but the files that they name.
-// kInvalidOption with the field "store", "blob_dir", "redis_ca", "redis_cert", "redis_key",
-// "redis_replicas" or "redis_sentinel_password_file". No fault names a password.
+// kInvalidOption with the field "store", "blob_dir", "blob_store", "redis_ca", "redis_cert",
+// "redis_key", "redis_replicas", "redis_sentinel_password_file", "s3_endpoint", "s3_region" or
+// "s3_credentials_file". No fault names a password.
 Status CheckStore(const StoreOptions& options);
 
 // Makes DIR and the blob directory, with mode 0700, in parents that are there. Redis need not be
