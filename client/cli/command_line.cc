@@ -122,6 +122,7 @@ std::unique_ptr<CLI::App> MakeCommandLine(const std::string& version, Run& run) 
   AddWatch(*app, run);
   AddLoad(*app, run);
   AddToken(*app, run);
+  AddPlan(*app, run);
   AddInitTls(*app, run);
   AddSample(*app, run);
   AddFigures(*app, run);

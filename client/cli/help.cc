@@ -222,6 +222,10 @@ constexpr Example kExamples[] = {
     {"token revoke",
      "arapctl token revoke --file tokens.json --id 3f9c2b7a\n"
      "arapctl token revoke --file tokens.json --owner alice"},
+    {"plan",
+     "arapctl plan --puppets 10000 --vertices 1000 --fps 30\n"
+     "arapctl plan --puppets 1000000 --vertices 300 --fps 10 --meshes 5000 \\\n"
+     "  --cores 64 --memory 256 --json"},
     {"init-tls",
      "arapctl init-tls tls\n"
      "arapctl init-tls tls --host arapd.example.org --client alice --client bob"},

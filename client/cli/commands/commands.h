@@ -39,6 +39,7 @@ void AddLoad(CLI::App& app, Run& run);
 void AddLoadCompare(CLI::App& load, Run& run);
 void AddToken(CLI::App& app, Run& run);
 void AddInitTls(CLI::App& app, Run& run);
+void AddPlan(CLI::App& app, Run& run);
 void AddSample(CLI::App& app, Run& run);
 void AddFigures(CLI::App& app, Run& run);
 // help, completion and man. `app` has to be there when they run.
