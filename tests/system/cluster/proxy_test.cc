@@ -1,16 +1,11 @@
 // Two servers that share their sessions, behind the real haproxy with the configuration that we
 // ship: what clients see when the server of their stream dies, drains or freezes.
-#include <csignal>
-
 #include <gtest/gtest.h>
 
 #include "arap/client/client.h"
-#include "tests/server/store/redis_server.h"
-#include "tests/system/fault/client.h"
-#include "tests/system/fault/haproxy.h"
-#include "tests/system/fault/server_process.h"
+#include "tests/system/cluster/cluster.h"
 
-namespace arap::fault {
+namespace arap::cluster {
 namespace {
 
 using client::DeformStream;
@@ -21,15 +16,8 @@ constexpr seconds kPatience{30};
 class ProxyTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    for (ServerProcess* server : {&a_, &b_}) {
-      ASSERT_TRUE(server->Start());
-      const auto admin = server->ReadLine("arapd admin on ", kPatience);
-      ASSERT_TRUE(admin);
-      backends_.push_back({server->address(), *admin});
-    }
-    ASSERT_TRUE(proxy_.Start(backends_));
-    client_.emplace(client::Client::Connect(proxy_.address()));
-    ASSERT_TRUE(Eventually([&] { return client_->GetServerInfo().has_value(); })) << proxy_.Log();
+    ASSERT_TRUE(cluster_.Start());
+    client_.emplace(client::Client::Connect(cluster_.address()));
     auto session = client_->CreateSession();
     ASSERT_TRUE(session) << session.error().message;
     session_.emplace(*std::move(session));
@@ -60,10 +48,10 @@ class ProxyTest : public ::testing::Test {
     return shape == nullptr ? std::vector<Complex>() : shape->positions;
   }
 
-  // The one that has an open stream of the session.
-  ServerProcess& Holder() {
-    const std::string opened = "session=" + session_->id() + " event=open";
-    return a_.Log().find(opened) != std::string::npos ? a_ : b_;
+  // The server that has an open stream of the session.
+  std::string Holder() const { return Knows("1") ? "1" : "2"; }
+  bool Knows(const std::string& server) const {
+    return cluster_.Log(server).find("session=" + session_->id()) != std::string::npos;
   }
 
   // After the loss of its server.
@@ -74,14 +62,7 @@ class ProxyTest : public ::testing::Test {
     EXPECT_EQ(Drag(stream, 2, 5), shape);
   }
 
-  testing::RedisServer redis_;
-  TempFolder blobs_;
-  const std::vector<std::string> flags_{"--store",     redis_.Url(),      "--blob-dir",
-                                        blobs_.path(), "--drain-seconds", "5"};
-  ServerProcess a_{flags_, "unix:{}/socket"};
-  ServerProcess b_{flags_, "unix:{}/socket"};
-  std::vector<Backend> backends_;
-  Haproxy proxy_;
+  Cluster cluster_{2};
   std::optional<client::Client> client_;
   std::optional<client::Session> session_;
 };
@@ -92,8 +73,7 @@ TEST_F(ProxyTest, ASessionStaysWithItsServer) {
     ASSERT_TRUE(stream) << stream.error().message;
     EXPECT_FALSE(Drag(*stream, 1, 5).empty());
   }
-  ServerProcess& other = &Holder() == &a_ ? b_ : a_;
-  EXPECT_EQ(other.Log().find("session=" + session_->id()), std::string::npos);
+  EXPECT_FALSE(Knows(Holder() == "1" ? "2" : "1"));
 }
 
 TEST_F(ProxyTest, WhenItsServerDiesAStreamGoesOnWithTheOther) {
@@ -101,7 +81,7 @@ TEST_F(ProxyTest, WhenItsServerDiesAStreamGoesOnWithTheOther) {
   ASSERT_TRUE(stream) << stream.error().message;
   const std::vector<Complex> shape = Drag(*stream, 1, 5);
   ASSERT_FALSE(shape.empty());
-  Holder().Kill();
+  cluster_.Do("kill", Holder());
   ExpectGoesOn(*stream, shape);
 }
 
@@ -112,14 +92,14 @@ TEST_F(ProxyTest, WhenItsServerDrainsAStreamIsToldToOpenAgain) {
   ASSERT_TRUE(stream) << stream.error().message;
   const std::vector<Complex> shape = Drag(*stream, 1, 5);
   ASSERT_FALSE(shape.empty());
-  ServerProcess& server = Holder();
-  server.Signal(SIGTERM);
+  const std::string server = Holder();
+  const std::string drained = cluster_.Do("drain", server);
   const auto end = stream->Read();
   ASSERT_FALSE(end);
   EXPECT_EQ(end.error().kind, FaultKind::kDraining);
   EXPECT_EQ(client::DetailOf(end.error(), "resume"), "open_again");
   ExpectGoesOn(*resuming, shape);
-  EXPECT_EQ(server.Wait(kPatience), 0);
+  EXPECT_EQ(drained, server + " ended with 0");
 }
 
 // It keeps its connections: only the checks of the proxy tell.
@@ -128,9 +108,9 @@ TEST_F(ProxyTest, WhenItsServerFreezesAStreamIsCutAndGoesOnWithTheOther) {
   ASSERT_TRUE(stream) << stream.error().message;
   const std::vector<Complex> shape = Drag(*stream, 1, 5);
   ASSERT_FALSE(shape.empty());
-  Holder().Signal(SIGSTOP);
+  cluster_.Do("freeze", Holder());
   ExpectGoesOn(*stream, shape);
 }
 
 }  // namespace
-}  // namespace arap::fault
+}  // namespace arap::cluster
