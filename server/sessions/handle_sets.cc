@@ -205,6 +205,7 @@ Result<HandleSetEntry> EditHandles(Workshop& workshop, const Caller& caller,
     TRY(auto edited, EditEntry(entry, remove, add, workshop.limits, cancel));
     std::string blob;
     const auto replace = [&](store::SessionRecord& record) -> Result<bool> {
+      blob.clear();  // once more, after another server was first
       TRY(const auto set, FindHandleSet(record, handle_set_id));
       // Another edit came first, or another set or another mesh has the id now: do this one on
       // that.
