@@ -3,7 +3,8 @@
 // of that may be seen by those who use the client library, and what they were told must make sense.
 //
 // ARAP_CHAOS_SECONDS is how long it takes (60 unless told), ARAP_CHAOS_SEED what happens (1);
-// script/soak --chaos sets the first. ARAP_CHAOS_LEDGER=FILE takes the ledger too.
+// script/soak --chaos sets the first. ARAP_CHAOS_LEDGER=FILE takes the ledger too, and FILE.1.log and so on
+// what the members have written.
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
@@ -44,14 +45,28 @@ void ExpectGoodEnd(Drags& drags, std::size_t streams) {
   ExpectNoComplaint("a drag", drags);
 }
 
+// The call and what happened to its set in the two seconds before its end, and all that was not
+// answered.
+std::string Before(const std::vector<Call>& history, const Call& call, Call::Time start) {
+  std::string text = call.Describe(start);
+  for (const Call& other : history) {
+    const Call::Time last = other.end.value_or(*call.end);
+    if (other.set != call.set || other.begin > *call.end || last < *call.end - seconds(2)) continue;
+    text += "\n  " + other.Describe(start);
+  }
+  return text;
+}
+
 // What the histories say; a failure of the test when an answer is not explained.
-std::string JudgeAll(const std::vector<std::vector<Call>>& histories) {
+std::string JudgeAll(const std::vector<std::vector<Call>>& histories, Call::Time start) {
   std::size_t calls = 0, unanswered = 0;
   Planted lost, stale;
   for (const std::vector<Call>& history : histories) {
     const Judgement judgement = Judge(history);
-    EXPECT_EQ(judgement.verdict, Verdict::kExplained)
-        << history[judgement.call].Describe(history.front().begin);
+    if (judgement.verdict != Verdict::kExplained) {
+      ADD_FAILURE() << (judgement.verdict == Verdict::kWrong ? "not explained: " : "undecided: ")
+                    << Before(history, history[judgement.call], start);
+    }
     calls += history.size();
     for (const Call& call : history) unanswered += call.end ? 0U : 1U;
     const Planted writes = PlantLostWrites(history), reads = PlantStaleReads(history);
@@ -80,23 +95,29 @@ TEST(Chaos, NobodySeesWhatHappensToServersAndNothingIsLost) {
   Editors editors(cluster.address(), puppet, 4, seed);
   ASSERT_TRUE(drags.AllMoved(2 * kPatience));
   testing::Random random(seed);
+  const auto start = std::chrono::steady_clock::now();
   const auto disturbances = Disturb(cluster, kServers, length, random);
   ExpectGoodEnd(drags, kStreams);
   visitors.Stop();
   editors.Stop();
 
   std::string text = fmt::format("seed {}, {} s, {} servers\n", seed, length.count(), kServers);
-  text += Ledger(disturbances, drags.interruptions());
+  text += Ledger(disturbances, start, drags.interruptions());
   text += fmt::format("{} streams, {} shapes, {} resumptions, {} ended with the right last shape\n",
                       kStreams, drags.shapes(), drags.resumed(), drags.ended_well());
   text += fmt::format("{} calls, {} acknowledged sessions, {} lost\n", visitors.calls(),
                       visitors.acknowledged(), visitors.lost());
-  text += JudgeAll(editors.Histories());
+  text += JudgeAll(editors.Histories(), start);
   text +=
       fmt::format("errors that users saw: {}\n",
                   drags.complaint_count() + visitors.complaint_count() + editors.complaint_count());
   std::cout << text;
-  if (const char* const file = std::getenv("ARAP_CHAOS_LEDGER")) std::ofstream(file) << text;
+  if (const char* const file = std::getenv("ARAP_CHAOS_LEDGER")) {
+    std::ofstream(file) << text;
+    for (const char* const member : {"1", "2", "3", "redis", "haproxy"}) {
+      std::ofstream(std::string(file) + "." + member + ".log") << cluster.Log(member);
+    }
+  }
 
   ExpectNoComplaint("a visitor", visitors);
   ExpectNoComplaint("an editor", editors);

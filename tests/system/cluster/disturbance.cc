@@ -64,14 +64,16 @@ std::vector<Disturbance> Disturb(Cluster& cluster, std::size_t servers, std::chr
     const auto lasts = milliseconds(500 + random.Below(3500));
     const auto pause = milliseconds(1000 + random.Below(2000));
     Pause(pause);
-    done.push_back({kind, kind == "redis" ? kind : server, steady_clock::now()});
+    const auto at = steady_clock::now();
+    done.push_back({kind, kind == "redis" ? kind : server, at, at});
     Do(cluster, done.back(), lasts);
+    done.back().over = steady_clock::now();
   }
   Pause(std::chrono::seconds(2));
   return done;
 }
 
-std::string Ledger(const std::vector<Disturbance>& disturbances,
+std::string Ledger(const std::vector<Disturbance>& disturbances, steady_clock::time_point start,
                    const std::vector<Interruption>& interruptions) {
   // An update was interrupted by the last thing that had happened when its answer came.
   std::map<std::string, std::vector<double>> waits;
@@ -84,8 +86,16 @@ std::string Ledger(const std::vector<Disturbance>& disturbances,
     if (after == disturbances.begin()) continue;
     waits[std::prev(after)->kind].push_back(interruption.seconds);
   }
-  std::string text = fmt::format("{:10} {:>6} {:>12} {:>8} {:>8} {:>8}\n", "what", "times",
-                                 "interrupted", "p50 s", "p99 s", "worst s");
+  std::string text;
+  const auto since = [&](steady_clock::time_point time) {
+    return std::chrono::duration<double>(time - start).count();
+  };
+  for (const Disturbance& d : disturbances) {
+    text += fmt::format("{:7.2f} s to {:7.2f} s  {} {}\n", since(d.at), since(d.over), d.kind,
+                        d.member);
+  }
+  text += fmt::format("{:10} {:>6} {:>12} {:>8} {:>8} {:>8}\n", "what", "times", "interrupted",
+                      "p50 s", "p99 s", "worst s");
   for (const auto& [kind, count] : times) {
     std::vector<double>& sorted = waits[kind];
     std::sort(sorted.begin(), sorted.end());

@@ -14,7 +14,7 @@ namespace arap::cluster {
 struct Disturbance {
   std::string kind;    // "kill", "freeze", "drain", "restart", "redis"
   std::string member;  // "1" …, "redis"
-  std::chrono::steady_clock::time_point at;
+  std::chrono::steady_clock::time_point at, over;
 };
 
 // Until `length` has passed: one member at a time, so that there is always a server to go on with.
@@ -26,9 +26,10 @@ std::vector<Disturbance> Disturb(Cluster& cluster, std::size_t servers, std::chr
 // Waits. Tests wait for conditions; this is how long a disturbance lasts.
 void Pause(std::chrono::milliseconds period);
 
-// A row for each kind: how often, how many updates were interrupted, and how long: half of them at
+// What happened when, since `start`, and a row for each kind: how often, how many updates were interrupted, and how long: half of them at
 // most, 99 of 100, and the longest.
 std::string Ledger(const std::vector<Disturbance>& disturbances,
+                   std::chrono::steady_clock::time_point start,
                    const std::vector<Interruption>& interruptions);
 
 }  // namespace arap::cluster
