@@ -94,7 +94,10 @@ Result<TokenFile> TokenFile::Read(const std::string& path, const OwnerLimits& de
   }
   if (!S_ISREG(info.st_mode)) return Fail(Unreadable(path, "it is not a regular file"));
   if ((info.st_mode & (S_IRWXO | S_IWGRP)) != 0) {
-    return Fail(Unreadable(path, "its mode lets others in; chmod 600 or 640 it"));
+    return Fail(
+        Unreadable(path,
+                   "its mode lets others in; chmod 600 or 640 it, or in Kubernetes mount it "
+                   "with defaultMode 0440 and an fsGroup"));
   }
   errno = 0;
   std::ifstream file(path, std::ios::binary);
