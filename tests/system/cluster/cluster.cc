@@ -29,8 +29,10 @@ std::vector<std::string> Cluster::Words() const {
 
 bool Cluster::Start() {
   std::vector<std::string> words = Words();
-  // A machine that is busy with other tests makes frames slow, for which no stream is to be refused.
-  words.insert(words.end(), {std::to_string(servers_), "--flag=--max-stream-load", "--flag=0"});
+  // A machine that is busy with other tests makes frames slow, for which no stream is to be refused
+  // and no server is to give itself up.
+  words.insert(words.end(), {std::to_string(servers_), "--flag=--max-stream-load", "--flag=0",
+                             "--flag=--stuck-seconds", "--flag=60"});
   for (const std::string& flag : flags_) words.push_back("--flag=" + flag);
   if (!process_.Launch(words, folder_ / "stderr")) return false;
   const auto address = process_.ReadLine("cluster at ", kPatience);
