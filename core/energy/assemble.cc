@@ -3,13 +3,43 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <utility>
+#include <vector>
 
 namespace arap {
 namespace {
 
+// A vector of at most `kMost` that allocates nothing.
+template <class T, std::size_t kMost>
+class Few {
+ public:
+  void clear() { size_ = 0; }
+  void push_back(const T& value) { values_[size_++] = value; }
+  void assign(std::size_t count, const T& value) {
+    size_ = count;
+    std::fill(begin(), end(), value);
+  }
+  template <class Iterator>
+  void assign(Iterator first, Iterator last) {
+    size_ = static_cast<std::size_t>(std::copy(first, last, begin()) - begin());
+  }
+  std::size_t size() const { return size_; }
+  T* begin() { return values_.data(); }
+  T* end() { return values_.data() + size_; }
+  T* data() { return values_.data(); }
+  const T* data() const { return values_.data(); }
+  T& operator[](std::size_t i) { return values_[i]; }
+  const T& operator[](std::size_t i) const { return values_[i]; }
+
+ private:
+  std::size_t size_ = 0;
+  std::array<T, kMost> values_;
+};
+
 // The residuals (v_b − v_a) − t(v) e of one or a few cells, as rows over the vertices they touch.
-class Block {
+template <class Ids, class Numbers, class Weights>
+class BlockOf {
  public:
   void Start(std::span<const std::uint32_t> vertices) {
     vertices_.assign(vertices.begin(), vertices.end());
@@ -26,25 +56,28 @@ class Block {
     if (weight == 0) return;
     weights_.push_back(weight);
     for (const Complex h : similarity_) rows_.push_back(-h * rest);
-    Complex* row = rows_.data() + rows_.size() - vertices_.size();
+    Complex* row = rows_.data() + (rows_.size() - vertices_.size());
     row[b] += 1;
     row[a] -= 1;
   }
 
-  std::span<const std::uint32_t> vertices() const { return vertices_; }
+  std::span<const std::uint32_t> vertices() const { return {vertices_.data(), vertices_.size()}; }
   std::size_t rows() const { return weights_.size(); }
   double weight(std::size_t row) const { return weights_[row]; }
   const Complex* row(std::size_t r) const { return rows_.data() + r * vertices_.size(); }
 
  private:
-  std::vector<std::uint32_t> vertices_;
-  std::vector<Complex> rows_, similarity_;
-  std::vector<double> weights_;
+  Ids vertices_;
+  Numbers rows_, similarity_;
+  Weights weights_;
 };
+using StarBlock = BlockOf<std::vector<std::uint32_t>, std::vector<Complex>, std::vector<double>>;
+// Of a hinge or a face.
+using SmallBlock = BlockOf<Few<std::uint32_t, 4>, Few<Complex, 9>, Few<double, 3>>;
 
 std::uint32_t Id(std::int32_t vertex) { return static_cast<std::uint32_t>(vertex); }
 
-void FillHinge(const HingeTable& table, std::size_t h, Block& block) {
+void FillHinge(const HingeTable& table, std::size_t h, SmallBlock& block) {
   const bool boundary = table.right[h] == table.i[h];
   const std::array<std::uint32_t, 4> ids{Id(table.i[h]), Id(table.j[h]), Id(table.left[h]),
                                          Id(table.right[h])};
@@ -64,7 +97,7 @@ void FillHinge(const HingeTable& table, std::size_t h, Block& block) {
   }
 }
 
-void FillFace(const FaceTable& table, std::size_t t, Block& block) {
+void FillFace(const FaceTable& table, std::size_t t, SmallBlock& block) {
   block.Start(std::array<std::uint32_t, 3>{Id(table.v0[t]), Id(table.v1[t]), Id(table.v2[t])});
   const std::array<Complex, 3> p{0, Complex(table.e1_x[t], table.e1_y[t]),
                                  Complex(table.e2_x[t], table.e2_y[t])};
@@ -86,7 +119,7 @@ std::span<const Spoke> SpokesOf(const StarTable& table, std::size_t s) {
   return std::span(table.spokes).subspan(table.begin[s], table.begin[s + 1] - table.begin[s]);
 }
 
-void FillStar(const StarTable& table, std::size_t s, Block& block) {
+void FillStar(const StarTable& table, std::size_t s, StarBlock& block) {
   const auto spokes = SpokesOf(table, s);
   std::vector<std::uint32_t> ids{spokes.front().a};
   for (const Spoke& spoke : spokes) ids.push_back(spoke.b);
@@ -133,7 +166,7 @@ void AddLargeStar(const StarTable& table, std::size_t s, Add add) {
 
 template <class Visit>
 void ForEachBlock(const Cells& cells, Visit visit, std::size_t most_spokes = SIZE_MAX) {
-  Block block;
+  SmallBlock block;
   for (std::size_t h = 0; h < cells.hinges.size(); ++h) {
     FillHinge(cells.hinges, h, block);
     visit(block);
@@ -142,10 +175,11 @@ void ForEachBlock(const Cells& cells, Visit visit, std::size_t most_spokes = SIZ
     FillFace(cells.faces, t, block);
     visit(block);
   }
+  StarBlock star;
   for (std::size_t s = 0; s < cells.stars.size(); ++s) {
     if (SpokesOf(cells.stars, s).size() > most_spokes) continue;
-    FillStar(cells.stars, s, block);
-    visit(block);
+    FillStar(cells.stars, s, star);
+    visit(star);
   }
 }
 
@@ -165,40 +199,163 @@ void ForEachEnergyEdge(const Cells& cells, Visit visit) {
   for (const Spoke& s : cells.stars.spokes) visit(s.a, s.b, s.weight);
 }
 
+// The lower triangle of a matrix as a sum of entries, which come in any order. Those of one place are added in the order
+// in which they come. First the places are counted, then the entries added: no more than were counted for their column.
 template <class Scalar>
-Eigen::SparseMatrix<Scalar> FromTriplets(std::vector<Eigen::Triplet<Scalar, int>>& triplets,
-                                         const std::vector<bool>& fixed) {
-  const auto n = static_cast<Eigen::Index>(fixed.size());
-  for (std::size_t v = 0; v < fixed.size(); ++v) {
-    if (fixed[v]) triplets.emplace_back(static_cast<int>(v), static_cast<int>(v), Scalar(1));
+class LowerSum {
+ public:
+  // Rows and columns of `fixed` vertices will be those of the identity.
+  explicit LowerSum(const std::vector<bool>& fixed)
+      : fixed_(fixed), begin_(fixed.size() + 1, 0), diagonal_(fixed.size(), Scalar(0)) {}
+
+  void Count(std::uint32_t a, std::uint32_t b) {
+    if (a != b && Free(a, b)) ++begin_[std::min(a, b) + 1];
   }
-  Eigen::SparseMatrix<Scalar> matrix(n, n);
-  matrix.setFromTriplets(triplets.begin(), triplets.end());
-  return matrix;
+  void EndOfCounting() {
+    for (std::size_t v = 0; v + 1 < begin_.size(); ++v) begin_[v + 1] += begin_[v];
+    next_.assign(begin_.begin(), begin_.end() - 1);
+    rows_ = std::make_unique_for_overwrite<int[]>(begin_.back());
+    values_ = std::make_unique_for_overwrite<Scalar[]>(begin_.back());
+  }
+
+  // row ≥ column
+  void Add(std::uint32_t row, std::uint32_t column, Scalar value) {
+    if (row == column) {
+      diagonal_[row] += value;
+    } else if (Free(row, column)) {
+      const std::size_t at = next_[column]++;
+      rows_[at] = static_cast<int>(row);
+      values_[at] = value;
+    }
+  }
+
+  Eigen::SparseMatrix<Scalar> Take() {
+    const std::size_t n = fixed_.size();
+    const auto size = static_cast<Eigen::Index>(n);
+    Eigen::SparseMatrix<Scalar> matrix(size, size);
+    int* outer = matrix.outerIndexPtr();
+    // In place: the numbers of a column move to the left.
+    std::vector<std::size_t> place(n, 0);  // of a row in the column that is summed up
+    std::size_t end = 0;
+    for (std::size_t c = 0; c < n; ++c) {
+      const std::size_t start = end;
+      for (std::size_t at = begin_[c]; at < next_[c]; ++at) {
+        const int row = rows_[at];
+        std::size_t& known = place[static_cast<std::size_t>(row)];
+        if (known >= start && known < end && rows_[known] == row) {
+          values_[known] += values_[at];
+        } else {
+          known = end;
+          rows_[end] = row;
+          values_[end++] = values_[at];
+        }
+      }
+      Sort(start, end);
+      outer[c + 1] = static_cast<int>(end + c + 1);
+    }
+    matrix.resizeNonZeros(static_cast<Eigen::Index>(end + n));
+    outer = matrix.outerIndexPtr();
+    for (std::size_t c = 0, from = 0; c < n; ++c) {
+      auto to = static_cast<std::size_t>(outer[c]);
+      matrix.innerIndexPtr()[to] = static_cast<int>(c);
+      matrix.valuePtr()[to++] = fixed_[c] ? Scalar(1) : diagonal_[c];
+      for (; to < static_cast<std::size_t>(outer[c + 1]); ++to, ++from) {
+        matrix.innerIndexPtr()[to] = rows_[from];
+        matrix.valuePtr()[to] = values_[from];
+      }
+    }
+    return matrix;
+  }
+
+ private:
+  bool Free(std::uint32_t a, std::uint32_t b) const { return !fixed_[a] && !fixed_[b]; }
+
+  // By row. Most columns have a few numbers.
+  void Sort(std::size_t begin, std::size_t end) {
+    constexpr std::size_t kFew = 32;
+    if (end - begin > kFew) {
+      std::vector<std::pair<int, Scalar>> column;
+      for (std::size_t at = begin; at < end; ++at) column.emplace_back(rows_[at], values_[at]);
+      std::sort(column.begin(), column.end(),
+                [](const auto& a, const auto& b) { return a.first < b.first; });
+      for (const auto& [row, value] : column) rows_[begin] = row, values_[begin++] = value;
+      return;
+    }
+    for (std::size_t i = begin + 1; i < end; ++i) {
+      const int row = rows_[i];
+      const Scalar value = values_[i];
+      std::size_t to = i;
+      for (; to > begin && rows_[to - 1] > row; --to) {
+        rows_[to] = rows_[to - 1];
+        values_[to] = values_[to - 1];
+      }
+      rows_[to] = row;
+      values_[to] = value;
+    }
+  }
+
+  const std::vector<bool>& fixed_;
+  std::vector<std::size_t> begin_, next_;  // of a column's entries; the next one of it
+  std::unique_ptr<int[]> rows_;
+  std::unique_ptr<Scalar[]> values_;
+  std::vector<Scalar> diagonal_;
+};
+
+// Calls visit(a, b) for every two vertices of every cell.
+template <class Visit>
+void ForEachPair(const Cells& cells, Visit visit) {
+  const HingeTable& h = cells.hinges;
+  for (std::size_t k = 0; k < h.size(); ++k) {
+    const std::uint32_t i = Id(h.i[k]), j = Id(h.j[k]), left = Id(h.left[k]),
+                        right = Id(h.right[k]);
+    visit(i, j), visit(i, left), visit(j, left);
+    if (right != i) visit(i, right), visit(j, right), visit(left, right);
+  }
+  const FaceTable& f = cells.faces;
+  for (std::size_t t = 0; t < f.size(); ++t) {
+    visit(Id(f.v0[t]), Id(f.v1[t])), visit(Id(f.v1[t]), Id(f.v2[t])),
+        visit(Id(f.v2[t]), Id(f.v0[t]));
+  }
+  for (std::size_t s = 0; s < cells.stars.size(); ++s) {
+    const auto spokes = SpokesOf(cells.stars, s);
+    for (std::size_t k = 0; k < spokes.size(); ++k) {
+      visit(spokes[k].a, spokes[k].b);
+      if (spokes.size() > kLargeStar) visit(spokes[k].a, spokes[k].b);  // which comes twice there
+      for (std::size_t l = 0; l < k; ++l) visit(spokes[k].b, spokes[l].b);
+    }
+  }
 }
 
 }  // namespace
 
 Eigen::SparseMatrix<Complex> AssembleSimilarity(const Cells& cells,
                                                 const std::vector<bool>& fixed) {
-  std::vector<Eigen::Triplet<Complex, int>> triplets;
-  triplets.reserve(cells.hinges.size() * 10 + cells.faces.size() * 6 + fixed.size());
-  const auto add = [&](std::uint32_t row, std::uint32_t column, Complex value) {
-    if (fixed[row] || fixed[column]) return;
-    triplets.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
+  LowerSum<Complex> sum(fixed);
+  ForEachPair(cells, [&sum](std::uint32_t a, std::uint32_t b) { sum.Count(a, b); });
+  sum.EndOfCounting();
+  const auto add = [&sum](std::uint32_t row, std::uint32_t column, Complex value) {
+    sum.Add(row, column, value);
   };
-  const auto add_block = [&](const Block& block) {
+  const auto add_block = [&](const auto& block) {
     const auto vertices = block.vertices();
     for (std::size_t i = 0; i < vertices.size(); ++i) {
-      for (std::size_t j = 0; j < vertices.size(); ++j) {
-        if (vertices[j] > vertices[i]) continue;
-        Complex sum = 0;
+      // |p|², because conj(p)·p need not be exactly real.
+      double own = 0;
+      for (std::size_t r = 0; r < block.rows(); ++r) {
+        own += block.weight(r) * std::norm(block.row(r)[i]);
+      }
+      sum.Add(vertices[i], vertices[i], own);
+      for (std::size_t j = 0; j < i; ++j) {
+        Complex product = 0;
         for (std::size_t r = 0; r < block.rows(); ++r) {
-          const Complex *row = block.row(r), p = row[i], q = row[j];
-          // |p|² on the diagonal: conj(p)·p need not be exactly real.
-          sum += block.weight(r) * (i == j ? Complex(std::norm(p)) : std::conj(p) * q);
+          const Complex* row = block.row(r);
+          product += block.weight(r) * (std::conj(row[i]) * row[j]);
         }
-        add(vertices[i], vertices[j], sum);
+        if (vertices[i] > vertices[j]) {
+          sum.Add(vertices[i], vertices[j], product);
+        } else {
+          sum.Add(vertices[j], vertices[i], std::conj(product));
+        }
       }
     }
   };
@@ -206,26 +363,26 @@ Eigen::SparseMatrix<Complex> AssembleSimilarity(const Cells& cells,
   for (std::size_t s = 0; s < cells.stars.size(); ++s) {
     if (SpokesOf(cells.stars, s).size() > kLargeStar) AddLargeStar(cells.stars, s, add);
   }
-  return FromTriplets(triplets, fixed);
+  return sum.Take();
 }
 
 Eigen::SparseMatrix<double> AssembleRigid(const Cells& cells, const std::vector<bool>& fixed) {
-  std::vector<Eigen::Triplet<double, int>> triplets;
-  triplets.reserve(cells.hinges.size() * 3 + cells.faces.size() * 9 + fixed.size());
-  ForEachEnergyEdge(cells, [&](std::uint32_t a, std::uint32_t b, double weight) {
+  LowerSum<double> sum(fixed);
+  ForEachEnergyEdge(cells, [&sum](std::uint32_t a, std::uint32_t b, double) { sum.Count(a, b); });
+  sum.EndOfCounting();
+  ForEachEnergyEdge(cells, [&sum](std::uint32_t a, std::uint32_t b, double weight) {
     if (weight == 0) return;
-    if (!fixed[a]) triplets.emplace_back(static_cast<int>(a), static_cast<int>(a), weight);
-    if (!fixed[b]) triplets.emplace_back(static_cast<int>(b), static_cast<int>(b), weight);
-    if (fixed[a] || fixed[b]) return;
+    sum.Add(a, a, weight);
+    sum.Add(b, b, weight);
     const auto [low, high] = std::minmax(a, b);
-    triplets.emplace_back(static_cast<int>(high), static_cast<int>(low), -weight);
+    sum.Add(high, low, -weight);
   });
-  return FromTriplets(triplets, fixed);
+  return sum.Take();
 }
 
 SimilarityForce SimilarityForceAt(const Cells& cells, std::span<const Complex> shape) {
   SimilarityForce at{0, std::vector<Complex>(shape.size())};
-  ForEachBlock(cells, [&](const Block& block) {
+  ForEachBlock(cells, [&](const auto& block) {
     const auto ids = block.vertices();
     for (std::size_t r = 0; r < block.rows(); ++r) {
       const Complex* row = block.row(r);

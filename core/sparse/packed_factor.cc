@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/base/large_pages.h"
 #include "core/base/wide.h"
 
 namespace arap {
@@ -252,6 +253,7 @@ PackedFactor<Scalar>::PackedFactor(const Supernodes<Scalar>& l, const ReadFrom& 
   panels_.rows.assign(l.rows.begin(), l.rows.end());
   // Not set to 0: memory that is not written yet is not there yet.
   panels_.values = std::make_unique_for_overwrite<double[]>(panels_.numbers);
+  PreferLargePages(panels_.values.get(), panels_.numbers * sizeof(double));
   double* out = panels_.values.get();
   // The last first: the pass from the root to the leaves is the one that is never cut short, and
   // reads forwards so.
