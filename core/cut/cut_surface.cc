@@ -99,7 +99,7 @@ class Cutter {
 
   Result<CutSurface> Run() {
     using Step = Status (Cutter::*)();
-    for (const Step step : {&Cutter::Mend, &Cutter::TakeSides, &Cutter::CheckEdges,
+    for (const Step step : {&Cutter::Mend, &Cutter::CheckTriangles, &Cutter::CheckEdges,
                             &Cutter::CheckVertices, &Cutter::CheckAreas, &Cutter::Orient,
                             &Cutter::Part, &Cutter::CheckPieces, &Cutter::Finish}) {
       CHECK_OK(cancel_.Check());
@@ -129,16 +129,13 @@ class Cutter {
   Status Mend() {
     CHECK_OK(CheckArrays(result_.mesh, limits_));
     TRY(result_.repair, RepairTriangles(result_.mesh.vertices, result_.mesh.triangles,
-                                        options_.repair, limits_, cancel_));
+                                        options_.repair, limits_, cancel_, &sides_));
     result_.warnings = std::move(result_.repair.warnings);
     repair_warnings_ = result_.warnings.size();
     return {};
   }
 
-  Status TakeSides() {
-    sides_ = SortedSides(vertices_, triangles());
-    return CheckDuplicates(triangles(), sides_);
-  }
+  Status CheckTriangles() { return CheckDuplicates(triangles(), sides_); }
 
   // Joins all edges of two triangles but the seams.
   Status CheckEdges() {
@@ -238,11 +235,7 @@ class Cutter {
   void Turn(std::vector<bool> turned) {
     TurnTriangles(turned, result_.mesh.triangles, gluing_);
     // The seams' sides are numbered anew as well.
-    for (Side& side : sides_) {
-      if (turned[side.triangle()] && side.corner() != 0) {
-        side.index = 3 * side.triangle() + 3 - side.corner();
-      }
-    }
+    TurnSides(turned, sides_);
     WarnTurned(turned, result_.warnings);
     result_.turned = std::move(turned);
   }
@@ -266,7 +259,6 @@ class Cutter {
       }
     }
     seams_ = {};
-    sides_ = {};
     return {};
   }
 
@@ -344,7 +336,10 @@ class Cutter {
     for (std::size_t v = vertices_; v < result_.source.size(); ++v) {
       result_.mesh.vertices.push_back(result_.mesh.vertices[result_.source[v]]);
     }
-    result_.topology = BuildTopology(result_.mesh.vertices.size(), result_.mesh.triangles);
+    if (result_.source.size() > vertices_) {
+      sides_ = SortedSides(result_.source.size(), result_.mesh.triangles);
+    }
+    result_.topology = BuildTopology(result_.source.size(), result_.mesh.triangles, sides_);
     return {};
   }
 
@@ -353,7 +348,7 @@ class Cutter {
   const CancelToken& cancel_;
   std::size_t vertices_;  // of the input
   std::size_t repair_warnings_ = 0;
-  std::vector<Side> sides_;  // until the vertices are split
+  std::vector<Side> sides_;  // of the triangles as they came, turned
   std::vector<std::span<const Side>> seams_;
   std::size_t split_edges_ = 0;
   std::vector<std::array<std::uint32_t, 2>>

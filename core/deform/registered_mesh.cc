@@ -85,16 +85,17 @@ Status Factorise(RegisteredMeshParts& parts, const CancelToken& cancel) {
 // Mends the triangles; the warnings are about that, and about what could be mended.
 Result<std::vector<Warning>> Mend(PlanarMesh& mesh, const RepairOptions& repairs,
                                   const MeshLimits& limits, const CancelToken& cancel,
-                                  Repair& repair) {
+                                  Repair& repair, std::vector<Side>& sides) {
   CHECK_OK(CheckArrays(mesh, limits));
-  TRY(repair, RepairTriangles(InSpace(mesh.vertices), mesh.triangles, repairs, limits, cancel));
+  TRY(repair,
+      RepairTriangles(InSpace(mesh.vertices), mesh.triangles, repairs, limits, cancel, &sides));
   return std::move(repair.warnings);
 }
 
 // Validates a mesh that was mended; what is said of it is said of the given triangles.
 Result<std::vector<Warning>> ValidateMended(PlanarMesh& mesh, const Repair& repair,
-                                            const MeshLimits& limits) {
-  auto warnings = ValidatePlanar(mesh, limits);
+                                            const MeshLimits& limits, std::vector<Side>& sides) {
+  auto warnings = ValidatePlanar(mesh, limits, sides);
   if (!warnings) return Fail(repair.OfGiven(std::move(warnings.error())));
   if (!repair.changed()) return warnings;
   for (Warning& warning : *warnings) warning = repair.OfGiven(std::move(warning));
@@ -167,10 +168,11 @@ Result<std::shared_ptr<const RegisteredMesh>> RegisteredMesh::Make(PlanarMesh me
                                                                    const MeshLimits& limits,
                                                                    const CancelToken& cancel) {
   auto parts = std::make_unique<RegisteredMeshParts>();
-  TRY(auto warnings, Mend(mesh, repairs, limits, cancel, parts->repair));
+  std::vector<Side> sides;
+  TRY(auto warnings, Mend(mesh, repairs, limits, cancel, parts->repair, sides));
   CHECK_OK(cancel.Check());
   const std::vector<Triangle> given = mesh.triangles;
-  TRY(auto more, ValidateMended(mesh, parts->repair, limits));
+  TRY(auto more, ValidateMended(mesh, parts->repair, limits, sides));
   warnings.insert(warnings.end(), more.begin(), more.end());
   TRY(const EnergyOptions mended, OptionsOfMended(options, parts->repair));
   CHECK_OK(cancel.Check());
@@ -181,7 +183,8 @@ Result<std::shared_ptr<const RegisteredMesh>> RegisteredMesh::Make(PlanarMesh me
   for (std::size_t t = 0; t < given.size(); ++t) {
     parts->turned.push_back(given[t] != parts->mesh.triangles[t]);
   }
-  parts->topology = BuildTopology(parts->mesh.vertices.size(), parts->mesh.triangles);
+  parts->topology = BuildTopology(parts->mesh.vertices.size(), parts->mesh.triangles, sides);
+  sides = {};
   parts->runs = RunsOf(parts->topology.vertex_component);
   Normalise(*parts);
   PlaceComponents(*parts);

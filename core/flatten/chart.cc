@@ -94,7 +94,10 @@ Result<std::vector<Chart>> MakeCharts(const CutSurface& surface, const CancelTok
       chart.mesh.triangles.push_back({local[c[0]], local[c[1]], local[c[2]]});
     }
     Normalise(chart);
-    chart.topology = BuildTopology(chart.mesh.vertices.size(), chart.mesh.triangles);
+    // A chart that is all of the surface has the same numbers.
+    const bool whole = chart.vertices.size() == surface.mesh.vertices.size();
+    chart.topology =
+        whole ? surface.topology : BuildTopology(chart.mesh.vertices.size(), chart.mesh.triangles);
     for (BoundaryLoop& loop : BoundaryLoops(chart.mesh, chart.topology)) {
       chart.loops.push_back(std::move(loop.vertices));
     }

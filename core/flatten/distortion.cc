@@ -13,18 +13,23 @@ namespace {
 
 constexpr double kCap = 1e30;
 
-double Angle(Complex a, Complex b) { return std::abs(std::atan2(Cross(a, b), Dot(a, b))); }
+// A number whose argument is the angle at corner k, from 0 to π.
+Complex CornerOf(const std::array<Complex, 3>& triangle, std::size_t k) {
+  const Complex a = triangle[(k + 1) % 3] - triangle[k], b = triangle[(k + 2) % 3] - triangle[k];
+  const Complex corner(Dot(a, b), std::abs(Cross(a, b)));
+  return corner == Complex(0) ? Complex(1) : corner;
+}
 
 // Largest change of a corner angle, radians.
 double AngleChange(const std::array<Complex, 3>& rest, const std::array<Complex, 3>& image) {
-  double worst = 0;
+  Complex worst(1);
   for (std::size_t k = 0; k < 3; ++k) {
-    const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
-    const double before = Angle(rest[i] - rest[k], rest[j] - rest[k]);
-    const double after = Angle(image[i] - image[k], image[j] - image[k]);
-    worst = std::max(worst, std::abs(after - before));
+    const Complex turn = CornerOf(image, k) * std::conj(CornerOf(rest, k));
+    const Complex change(turn.real(), std::abs(turn.imag()));
+    // Both point upwards: the farther one lies to the left of the other.
+    if (Cross(worst, change) > 0) worst = change;
   }
-  return worst;
+  return std::atan2(worst.imag(), worst.real());
 }
 
 }  // namespace
@@ -37,7 +42,8 @@ std::array<double, 2> SingularValues(const std::array<Complex, 3>& rest,
   const Complex d(0, -2 * Cross(e1, e2));
   const Complex alpha = (f1 * std::conj(e2) - f2 * std::conj(e1)) / d;
   const Complex beta = (e1 * f2 - e2 * f1) / d;
-  return {std::abs(alpha) + std::abs(beta), std::abs(alpha) - std::abs(beta)};
+  const double same = std::abs(alpha), mirrored = std::abs(beta);
+  return {same + mirrored, same - mirrored};
 }
 
 std::array<Complex, 3> LayFlat(const SurfaceMesh& mesh, const Triangle& triangle) {

@@ -35,8 +35,8 @@ class Mender {
     if (!std::isfinite(nearness_.diagonal)) return std::move(repair_);
     CHECK_OK(CheckTolerance());
     if (!options_.any()) {
-      const auto sides = SortedSides(points_.size(), triangles_);
-      TRY(repair_.warnings, FindDefects(points_, triangles_, sides, options_, cancel_));
+      sides_ = SortedSides(points_.size(), triangles_);
+      TRY(repair_.warnings, FindDefects(points_, triangles_, sides_, options_, cancel_));
       return std::move(repair_);
     }
     const std::vector<Triangle> given = triangles_;
@@ -46,10 +46,10 @@ class Mender {
     CHECK_OK(cancel_.Check());
     if (options_.drop_duplicates) DropDuplicates();
     CHECK_OK(cancel_.Check());
-    std::vector<Side> sides = SortedSides(points_.size(), triangles_);
+    sides_ = SortedSides(points_.size(), triangles_);
     if (options_.stitch) {
-      TRY(const bool split, StitchAll(sides));
-      if (split) sides = SortedSides(points_.size(), triangles_);
+      TRY(const bool split, StitchAll(sides_));
+      if (split) sides_ = SortedSides(points_.size(), triangles_);
     }
     if (triangles_ != given) {
       repair_.given = given;
@@ -62,10 +62,13 @@ class Mender {
       repair_.vertex = {};
       repair_.triangle = {};
     }
-    TRY(const auto defects, FindDefects(points_, triangles_, sides, options_, cancel_));
+    TRY(const auto defects, FindDefects(points_, triangles_, sides_, options_, cancel_));
     for (const Warning& defect : defects) repair_.warnings.push_back(repair_.OfGiven(defect));
     return std::move(repair_);
   }
+
+  // Of the mended triangles, after Run; none where nothing was looked at.
+  std::vector<Side> TakeSides() { return std::move(sides_); }
 
  private:
   Status CheckTolerance() const {
@@ -233,6 +236,7 @@ class Mender {
   const RepairOptions& options_;
   const MeshLimits& limits_;
   const CancelToken& cancel_;
+  std::vector<Side> sides_;
   const Nearness nearness_;
   Repair repair_;
 };
@@ -352,9 +356,14 @@ Status CheckRepair(const RepairOptions& options) {
 
 Result<Repair> RepairTriangles(std::span<const Point3> points, std::vector<Triangle>& triangles,
                                const RepairOptions& options, const MeshLimits& limits,
-                               const CancelToken& cancel) {
+                               const CancelToken& cancel, std::vector<Side>* sides) {
   CHECK_OK(CheckRepair(options));
-  TRY(auto repair, Mender(points, triangles, options, limits, cancel).Run());
+  Mender mender(points, triangles, options, limits, cancel);
+  TRY(auto repair, mender.Run());
+  if (sides != nullptr) {
+    *sides = mender.TakeSides();
+    if (sides->empty()) *sides = SortedSides(points.size(), triangles);
+  }
   if (!triangles.empty()) return repair;
   return Fail(Fault(FaultKind::kEmptyMesh,
                     "All triangles are smaller than the tolerance of welding: nothing is left.")

@@ -13,6 +13,7 @@
 #include "arap/model/energy.h"
 #include "arap/model/mesh.h"
 #include "arap/model/repair.h"
+#include "core/mesh/topology.h"
 
 namespace arap {
 
@@ -71,10 +72,11 @@ Status CheckRepair(const RepairOptions& options);
 // collapses, kMeshTooLarge beyond `limits`, and that of `cancel`.
 //
 // O(n log n) for n vertices and triangles; about 100 bytes for each at the peak, and 20 that stay where
-// something was changed.
+// something was changed. `sides`, where it is wanted, becomes what SortedSides makes of the mended
+// triangles.
 Result<Repair> RepairTriangles(std::span<const Point3> points, std::vector<Triangle>& triangles,
                                const RepairOptions& options, const MeshLimits& limits,
-                               const CancelToken& cancel);
+                               const CancelToken& cancel, std::vector<Side>* sides = nullptr);
 
 // Points of the plane in space.
 std::vector<Point3> InSpace(std::span<const Complex> points);

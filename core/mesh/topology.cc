@@ -5,10 +5,13 @@
 namespace arap {
 namespace {
 
-void BuildEdges(std::size_t vertex_count, std::span<const Triangle> triangles, Topology& topology) {
+void BuildEdges(std::span<const Triangle> triangles, std::span<const Side> sorted,
+                Topology& topology) {
+  std::size_t edges = 0;
+  ForEachEdge(sorted, [&edges](std::span<const Side>) { ++edges; });
   topology.triangle_edges.resize(triangles.size());
-  topology.edges.reserve(triangles.size() * 3 / 2 + 2);
-  ForEachEdge(SortedSides(vertex_count, triangles), [&](std::span<const Side> sides) {
+  topology.edges.reserve(edges);
+  ForEachEdge(sorted, [&](std::span<const Side> sides) {
     const auto index = static_cast<std::uint32_t>(topology.edges.size());
     Edge& edge = topology.edges.emplace_back();
     edge.v0 = sides[0].v0, edge.v1 = sides[0].v1;
@@ -131,9 +134,22 @@ std::vector<Side> SortedSides(std::size_t vertex_count, std::span<const Triangle
   return sides;
 }
 
+void TurnSides(const std::vector<bool>& turned, std::vector<Side>& sides) {
+  for (Side& side : sides) {
+    if (turned[side.triangle()] && side.corner() != 0) {
+      side.index = 3 * side.triangle() + 3 - side.corner();
+    }
+  }
+}
+
 Topology BuildTopology(std::size_t vertex_count, std::span<const Triangle> triangles) {
+  return BuildTopology(vertex_count, triangles, SortedSides(vertex_count, triangles));
+}
+
+Topology BuildTopology(std::size_t vertex_count, std::span<const Triangle> triangles,
+                       std::span<const Side> sides) {
   Topology topology;
-  BuildEdges(vertex_count, triangles, topology);
+  BuildEdges(triangles, sides, topology);
   NumberComponents(vertex_count, triangles, topology);
   NumberPieces(vertex_count, triangles, topology);
   CountBoundaryLoops(triangles, topology);

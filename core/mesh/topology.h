@@ -81,8 +81,14 @@ struct Topology {
   std::size_t unreferenced = 0;
 };
 
+// The sides again, after the corners 1 and 2 of `turned` triangles (#F) have changed places.
+void TurnSides(const std::vector<bool>& turned, std::vector<Side>& sides);
+
 // O(#F log #F).
 Topology BuildTopology(std::size_t vertex_count, std::span<const Triangle> triangles);
+// The same for who has the sides already: what SortedSides makes of the triangles.
+Topology BuildTopology(std::size_t vertex_count, std::span<const Triangle> triangles,
+                       std::span<const Side> sides);
 
 // Disjoint sets of 0…n−1, with numbers in order of their lowest member.
 class UnionFind {

@@ -128,7 +128,7 @@ std::vector<std::uint32_t> Degenerate(const std::vector<Point>& points,
 template <class Mesh>
 Status CheckAll(const Mesh& mesh, const MeshLimits& limits, std::vector<Side>& sides) {
   CHECK_OK(CheckBasics(mesh, limits));
-  sides = SortedSides(mesh.vertices.size(), mesh.triangles);
+  if (sides.empty()) sides = SortedSides(mesh.vertices.size(), mesh.triangles);
   CHECK_OK(CheckDuplicates(mesh.triangles, sides));
   CHECK_OK(CheckManifold(sides));
   const auto degenerate = Degenerate(mesh.vertices, mesh.triangles);
@@ -234,6 +234,11 @@ void WarnTurned(const std::vector<bool>& turned, std::vector<Warning>& warnings)
 
 Result<std::vector<Warning>> ValidatePlanar(PlanarMesh& mesh, const MeshLimits& limits) {
   std::vector<Side> sides;
+  return ValidatePlanar(mesh, limits, sides);
+}
+
+Result<std::vector<Warning>> ValidatePlanar(PlanarMesh& mesh, const MeshLimits& limits,
+                                            std::vector<Side>& sides) {
   CHECK_OK(CheckAll(mesh, limits, sides));
   std::vector<bool> turned(mesh.triangles.size(), false);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -242,6 +247,7 @@ Result<std::vector<Warning>> ValidatePlanar(PlanarMesh& mesh, const MeshLimits& 
     std::swap(c[1], c[2]);
     turned[t] = true;
   }
+  TurnSides(turned, sides);
   std::vector<Warning> warnings;
   WarnTurned(turned, warnings);
   WarnUnreferenced(mesh.vertices.size(), mesh.triangles, warnings);

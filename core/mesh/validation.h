@@ -25,6 +25,11 @@ inline constexpr double kDegenerateRatio = 1e-9;
 // (surfaces), kDegenerateTriangle; each with the first offending ids. Planar triangles that run
 // clockwise are turned round; surface triangles are turned to agree with the first triangle of
 // their component. Both are warned of, as are unreferenced vertices. O(#F log #F).
+//
+// `sides` comes with what SortedSides makes of the triangles, or empty where that is not known yet,
+// and leaves with that of the turned ones.
+Result<std::vector<Warning>> ValidatePlanar(PlanarMesh& mesh, const MeshLimits& limits,
+                                            std::vector<Side>& sides);
 Result<std::vector<Warning>> ValidatePlanar(PlanarMesh& mesh, const MeshLimits& limits);
 Result<std::vector<Warning>> ValidateSurface(SurfaceMesh& mesh, const MeshLimits& limits);
 
