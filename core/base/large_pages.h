@@ -1,4 +1,4 @@
-// Large arrays that are written once from end to end: the system gives them in pages of 2 MiB, where it can.
+// Arrays that are written once from end to end: the system gives them in pages of 2 MiB, where it can.
 #pragma once
 
 #include <cstddef>
@@ -9,10 +9,13 @@
 namespace arap {
 
 // Of `bytes` at `data`, which nobody has written to yet. Getting 10 MB in pages of 4 KiB takes 3 ms, as much as factoring
-// them; in large ones a tenth. Only whole large pages inside the array: no memory is taken beside it.
-inline void PreferLargePages(void* data, std::size_t bytes) {
+// them; in large ones a tenth. Only whole large pages inside the array: no memory is taken beside it. Not of arrays that are
+// larger still: a virtual machine whose host takes back what is free has to ask for every large page anew.
+inline void PreferLargePages([[maybe_unused]] void* data, [[maybe_unused]] std::size_t bytes) {
 #ifdef MADV_HUGEPAGE
   constexpr std::uintptr_t kPage = std::uintptr_t{2} << 20u;
+  constexpr std::size_t kMost = std::size_t{16} << 20u;
+  if (bytes > kMost) return;
   const auto begin = (reinterpret_cast<std::uintptr_t>(data) + kPage - 1) / kPage * kPage;
   const std::uintptr_t end = (reinterpret_cast<std::uintptr_t>(data) + bytes) / kPage * kPage;
   if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);

@@ -36,14 +36,14 @@ struct MeshCost {
 MeshCost CostsOf(Basis basis) {
   switch (basis) {
     case Basis::kFace:
-      return {6.2e-3, 0.02e-3, 900, 85};
+      return {1.9e-3, 0.01e-3, 800, 65};
     case Basis::kVertex:
-      return {9e-3, 0.07e-3, 2500, 122};
+      return {2e-3, 0.031e-3, 2100, 105};
     case Basis::kEdge:
     case Basis::kEdgeAsPublished:
       break;
   }
-  return {10e-3, 0.05e-3, 1700, 122};
+  return {1.9e-3, 0.024e-3, 1400, 95};
 }
 
 struct Sizes {

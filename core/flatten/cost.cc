@@ -47,9 +47,9 @@ struct VertexCost {
 
   double Similarity(bool edge_cells) const {
     const double fill = std::max(log - 4, 0.5);
-    return edge_cells ? 0.25 * fill + 7 * far : 0.21 * fill + 0.18 * far;
+    return edge_cells ? 0.09 * fill + 0.85 * far : 0.08 * fill + 0.25 * far;
   }
-  double Rigid() const { return 0.14 * std::max(log - 4, 0.5) + 0.12 * far; }
+  double Rigid() const { return 0.055 * std::max(log - 4, 0.5) + 0.03 * far; }
   double Order() const { return 0.7; }
   double Spectral(bool edge_cells) const { return (edge_cells ? 3.4 : 1.7) * far; }
   double Angles() const { return 14 + 7 * far; }  // of an interior vertex
@@ -144,7 +144,7 @@ FlattenCost EstimateFlatten(const SurfaceSize& size, const FlattenOptions& optio
     micros += 1.2 * static_cast<double>(options.pins.size()) * cost.Iteration();
   }
   if (options.injective) micros += cost.Injective();
-  double total = vertices * micros + 2 * triangles + 17 * charts;
+  double total = vertices * micros + 1.3 * triangles + 17 * charts;
   if (abf) total += std::max(0.0, triangles - vertices + 2 * charts) * cost.Angles();
   if (options.cut.auto_cut) total += 2.5 * triangles;
 

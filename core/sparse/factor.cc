@@ -258,7 +258,7 @@ Result<std::unique_ptr<Factor<Scalar>>> Factor<Scalar>::Analyse(
   common->final_ll = 0;
   common->nmethods = 1;
   common->method[0].ordering = order.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
-  if (layout == FactorLayout::kPacked) {
+  if (layout != FactorLayout::kSimplicial) {
     // Supernodes of fewer columns than BLAS needs: a fifth less numbers to read in every solve.
     common->nrelax[0] = 2, common->nrelax[1] = 8, common->nrelax[2] = 32;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/plane.h"
 #include "core/base/try.h"
@@ -247,8 +248,8 @@ Result<GroundedSystem<Complex>> HeldSystem(const Cells& cells, const Held& held,
     if (h.weight > 0) matrix.coeffRef(v, v) += h.weight;
   }
   TRY(const Order found, order(matrix));
-  return GroundedSystem<Complex>::Make(matrix, held.Fixed(vertices), FactorLayout::kSupernodal,
-                                       found);
+  return GroundedSystem<Complex>::Make(std::move(matrix), held.Fixed(vertices),
+                                       FactorLayout::kSupernodal, found);
 }
 
 Result<std::vector<Complex>> HeldFirstStep(const GroundedSystem<Complex>& system, const Held& held,
@@ -270,7 +271,8 @@ Result<GroundedSystem<Complex>> SpectralSystem(const Cells& cells, std::size_t v
   const double shift = kShift * matrix.diagonal().real().mean();
   for (Eigen::Index v = 0; v < matrix.rows(); ++v) matrix.coeffRef(v, v) += shift;
   TRY(const Order found, order(matrix));
-  auto system = GroundedSystem<Complex>::Make(matrix, none, FactorLayout::kPacked, found);
+  auto system =
+      GroundedSystem<Complex>::Make(std::move(matrix), none, FactorLayout::kPacked, found);
   if (system) system->set_raised(shift);
   return system;
 }

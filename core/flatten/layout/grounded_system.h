@@ -27,9 +27,8 @@ class GroundedSystem {
  public:
   // `lower` (#n×#n, lower triangle) is the matrix with nothing held; `fixed` (#n) says what is.
   // `order` is an elimination order of a pattern around this one. Faults: those of Factor::Make.
-  static Result<GroundedSystem> Make(const Eigen::SparseMatrix<Scalar>& lower,
-                                     std::vector<bool> fixed, FactorLayout layout,
-                                     const Order& order) {
+  static Result<GroundedSystem> Make(Eigen::SparseMatrix<Scalar> lower, std::vector<bool> fixed,
+                                     FactorLayout layout, const Order& order) {
     GroundedSystem system;
     Eigen::SparseMatrix<Scalar> grounded(lower.rows(), lower.cols());
     grounded.reserve(lower.nonZeros() + lower.cols());
@@ -49,6 +48,7 @@ class GroundedSystem {
       }
     }
     grounded.finalize();
+    Eigen::SparseMatrix<Scalar>().swap(lower);  // the factor needs the most memory of all
     auto factor = Factor<Scalar>::Make(grounded, layout, *order);
     for (double lift = kFirstLift;
          !factor && factor.error().kind == FaultKind::kNumerical && lift <= kLastLift;

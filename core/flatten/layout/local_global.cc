@@ -304,7 +304,7 @@ Result<GroundedSystem<double>> RigidSystem(const Cells& cells, const Held& held,
     const auto v = static_cast<Eigen::Index>(h.vertex);
     if (h.weight > 0) matrix.coeffRef(v, v) += h.weight;
   }
-  return GroundedSystem<double>::Make(matrix, std::move(fixed), FactorLayout::kPacked,
+  return GroundedSystem<double>::Make(std::move(matrix), std::move(fixed), FactorLayout::kPacked,
                                       std::move(order));
 }
 
