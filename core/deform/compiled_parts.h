@@ -20,7 +20,6 @@
 #include "core/deform/place.h"
 #include "core/deform/registered_parts.h"
 #include "core/deform/roles.h"
-#include "core/energy/local_step.h"
 #include "core/sparse/factor.h"
 #include "core/sparse/saddle.h"
 
@@ -42,30 +41,28 @@ class ConstraintSolver {
 
   virtual void Prepare(SolverScratch& scratch) const = 0;
 
-  // Adds to `shape` what the rows ask of step 1 beyond what it has: `miss` is, per active row,
-  // target minus the place that `shape` gives it. Fault: that of a back-substitution.
-  virtual Status AddSimilarity(std::span<const Complex> miss, ShapeView shape,
+  // Adds to `shape` (#V) what the rows ask of step 1 beyond what it has: `miss` is, per active row,
+  // target minus the place that `shape` gives it. Fault: that of a
+  // back-substitution.
+  virtual Status AddSimilarity(std::span<const Complex> miss, std::span<Complex> shape,
                                SolverScratch& scratch) const = 0;
 
   // Step 2 is force → solution of rigid_factor() → AddRigid. CompleteForce adds the rows' share to
-  // the edges' force (#V×2: x, then y) and clears it where nothing moves; AddRigid adds the
-  // solution and what the rows still lack to `shape`. `solution` may be nullptr where
-  // NeedsRigidSolve says no.
+  // the edges' force (#V) and clears it where nothing moves; AddRigid adds the solution (#V) and
+  // what the rows still lack to `shape`. `solution` may be empty where NeedsRigidSolve says no.
   virtual const Factor<double>& rigid_factor() const = 0;
   virtual bool NeedsRigidSolve(bool turned) const = 0;
-  virtual void CompleteForce(std::span<const Complex> miss, std::span<double> force) const = 0;
-  virtual Status AddRigid(const double* solution, std::span<const Complex> miss, ShapeView shape,
-                          SolverScratch& scratch) const = 0;
+  virtual void CompleteForce(std::span<const Complex> miss, std::span<Complex> force) const = 0;
+  virtual Status AddRigid(std::span<const Complex> solution, std::span<const Complex> miss,
+                          std::span<Complex> shape, SolverScratch& scratch) const = 0;
 
   virtual std::size_t bytes() const = 0;
 };
 
 // Where `shape` has the row's point.
-inline Complex PointOf(const Row& row, ConstShapeView shape) {
+inline Complex PointOf(const Row& row, std::span<const Complex> shape) {
   Complex p = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    p += row.weight[k] * Complex(shape.x[row.vertex[k]], shape.y[row.vertex[k]]);
-  }
+  for (std::size_t k = 0; k < 3; ++k) p += row.weight[k] * shape[row.vertex[k]];
   return p;
 }
 

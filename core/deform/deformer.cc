@@ -29,24 +29,19 @@ class Frame {
   // back-substitution.
   Status Begin(std::span<const Target> targets, SolverScratch& scratch);
 
-  // The right-hand side of step 2 (#V×2: x, then y) with the rotations of the shape so far. Without
-  // `turned` every rotation is 1: the baseline of eq. 1, where the edges exert no force.
-  void Force(bool turned, std::span<double> force);
+  // The right-hand side of step 2 (#V) with the rotations of the shape so far. Without `turned`
+  // every rotation is 1: the baseline of eq. 1, where the edges exert no force.
+  void Force(bool turned, std::span<Complex> force);
 
-  // The shape of step 2 from the solution of the rigid factor for that force; nullptr for no force.
-  // Fault: that of a back-substitution.
-  Status Rigid(const double* solution, SolverScratch& scratch);
+  // The shape of step 2 from the solution of the rigid factor for that force (#V); empty for no
+  // force. Fault: that of a back-substitution.
+  Status Rigid(std::span<const Complex> solution, SolverScratch& scratch);
 
   // Writes the shape to `positions` (#V, units of the mesh) and measures it. kNumerical when
   // anything is not finite; `positions` is scratch then.
   Result<ShapeQuality> Finish(std::span<const Target> targets, std::vector<Complex>& positions);
 
  private:
-  std::size_t n() const { return mesh_.rest.size(); }
-  double* x() { return shape_.data(); }
-  double* y() { return shape_.data() + n(); }
-  ConstShapeView View() const { return {shape_.data(), shape_.data() + n()}; }
-
   bool IsActive(const VertexRun& run) const {
     return run.component != kNone && set_.roles.active_slot[run.component] != kNone;
   }
@@ -59,7 +54,7 @@ class Frame {
   const CompiledHandlesParts& set_;
   const RegisteredMeshParts& mesh_;
   TargetRows targets_;
-  std::vector<double> shape_;           // #V×2, x then y
+  std::vector<Complex> shape_;          // #V
   std::vector<Complex> miss_;           // per active row: target minus place
   std::vector<Similarity> base_;        // per component: the similarity that fits its targets best
   std::vector<double> counts_, sizes_;  // per component, of FitBase
@@ -70,7 +65,7 @@ Frame::Frame(const CompiledHandlesParts& set)
     : set_(set),
       mesh_(set.mesh->parts()),
       targets_(set),
-      shape_(2 * mesh_.rest.size()),
+      shape_(mesh_.rest.size()),
       miss_(set.roles.active_rows.size()),
       base_(mesh_.components.size()),
       counts_(mesh_.components.size()),
@@ -81,13 +76,13 @@ Status Frame::Begin(std::span<const Target> targets, SolverScratch& scratch) {
   CHECK_OK(targets_.Place(targets));
   FitBase();
   StartFromBase(false);
-  return set_.solver->AddSimilarity(miss_, {x(), y()}, scratch);
+  return set_.solver->AddSimilarity(miss_, shape_, scratch);
 }
 
-void Frame::Force(bool turned, std::span<double> force) {
-  std::fill(force.begin(), force.end(), 0.0);
+void Frame::Force(bool turned, std::span<Complex> force) {
+  std::fill(force.begin(), force.end(), Complex(0));
   if (turned) {
-    AddRotatedEdges(mesh_.cells, View(), mean_, {force.data(), force.data() + n()});
+    AddRotatedEdges(mesh_.cells, shape_, mean_, force);
   } else {
     std::fill(mean_.begin(), mean_.end(), Complex(1));
   }
@@ -95,8 +90,8 @@ void Frame::Force(bool turned, std::span<double> force) {
   set_.solver->CompleteForce(miss_, force);
 }
 
-Status Frame::Rigid(const double* solution, SolverScratch& scratch) {
-  return set_.solver->AddRigid(solution, miss_, {x(), y()}, scratch);
+Status Frame::Rigid(std::span<const Complex> solution, SolverScratch& scratch) {
+  return set_.solver->AddRigid(solution, miss_, shape_, scratch);
 }
 
 Result<ShapeQuality> Frame::Finish(std::span<const Target> targets,
@@ -150,11 +145,11 @@ void Frame::StartFromBase(bool rigid) {
                              : rigid        ? Similarity{base_[run.component].from,
                                                   base_[run.component].place, mean_[run.component]}
                                             : base_[run.component];
-    SetToSimilarity(run, mesh_.rest, start, {x(), y()});
+    SetToSimilarity(run, mesh_.rest, start, shape_);
   }
   for (std::size_t i = 0; i < miss_.size(); ++i) {
     const std::size_t r = set_.roles.active_rows[i];
-    miss_[i] = targets_[r] - PointOf(set_.rows[r], View());
+    miss_[i] = targets_[r] - PointOf(set_.rows[r], shape_);
   }
 }
 
@@ -164,7 +159,7 @@ bool Frame::Place(std::vector<Complex>& positions) {
   bool finite = true;
   for (const VertexRun& run : mesh_.runs) {
     if (IsActive(run)) {
-      finite &= ToUnits(run, View(), targets_.middle(), unit, mesh_.origin, positions);
+      finite &= ToUnits(run, shape_, targets_.middle(), unit, mesh_.origin, positions);
       continue;
     }
     const Complex shift = run.component == kNone ? 0 : unit * targets_.shift(run.component);
@@ -187,7 +182,7 @@ ShapeQuality Frame::Measure(std::span<const Target> given,
   quality.flipped = stretch.flipped;
   quality.mean_stretch = stretch.mean;
   quality.max_stretch = stretch.max;
-  quality.energy = RigidEnergy(mesh_.cells, View());
+  quality.energy = RigidEnergy(mesh_.cells, shape_);
   for (const Row& row : set_.rows) {
     Complex p = 0;
     for (std::size_t k = 0; k < 3; ++k) p += row.weight[k] * positions[row.vertex[k]];
@@ -240,7 +235,7 @@ class Deformer::Scratch {
       positions.emplace_back(vertices);
       next_.emplace_back(vertices.size());
     }
-    force_.resize(2 * vertices.size() * lanes);
+    force_.resize(vertices.size() * lanes);
     set_.solver->Prepare(solver_);
   }
 
@@ -267,18 +262,18 @@ class Deformer::Scratch {
 
  private:
   Status RigidStep(bool turned, std::size_t count) {
-    const std::size_t size = 2 * set_.mesh->mesh().vertices.size();
+    const std::size_t size = set_.mesh->mesh().vertices.size();
     for (std::size_t i = 0; i < count; ++i) {
       frames_[i].Force(turned, std::span(force_).subspan(i * size, size));
     }
-    const double* solution = nullptr;
+    std::span<const Complex> solution;
     if (set_.solver->NeedsRigidSolve(turned)) {
-      TRY(const auto all, set_.solver->rigid_factor().Solve(std::span(force_).first(count * size),
-                                                            2 * count, solver_.workspace));
-      solution = all.data();
+      solution = set_.solver->rigid_factor().SolvePoints(std::span(force_).first(count * size),
+                                                         count, solver_.workspace);
     }
     for (std::size_t i = 0; i < count; ++i) {
-      CHECK_OK(frames_[i].Rigid(solution ? solution + i * size : nullptr, solver_));
+      const bool solved = !solution.empty();
+      CHECK_OK(frames_[i].Rigid(solved ? solution.subspan(i * size, size) : solution, solver_));
     }
     return {};
   }
@@ -286,7 +281,7 @@ class Deformer::Scratch {
   const CompiledHandlesParts& set_;
   std::vector<Frame> frames_;
   std::vector<std::vector<Complex>> next_;  // until all is known to be finite
-  std::vector<double> force_;
+  std::vector<Complex> force_;              // #V per lane
   SolverScratch solver_;
 };
 

@@ -146,15 +146,9 @@ void DirectSolver::Prepare(SolverScratch& scratch) const {
   scratch.rigid_y.Resize(rigid_.schur.size());
 }
 
-Status DirectSolver::AddSimilarity(std::span<const Complex> miss, ShapeView shape,
+Status DirectSolver::AddSimilarity(std::span<const Complex> miss, std::span<Complex> shape,
                                    SolverScratch& scratch) const {
   std::vector<Complex>& right = scratch.complex_right;
-  const auto add = [&](std::span<const Complex> change) {
-    for (std::size_t v = 0; v < change.size(); ++v) {
-      shape.x[v] += change[v].real();
-      shape.y[v] += change[v].imag();
-    }
-  };
   std::fill(right.begin(), right.end(), Complex(0));
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -165,7 +159,7 @@ Status DirectSolver::AddSimilarity(std::span<const Complex> miss, ShapeView shap
   for (const std::size_t i : holding_) right[rows_[i].single_vertex()] = miss[i];
   for (const auto& c : similarity_.couplings) right[c.free] -= c.value * right[c.held];
   TRY(const auto y, similarity_.factor->Solve(right, 1, scratch.workspace));
-  add(y);
+  AddShape(y, shape);
   if (inside_.empty()) return {};
 
   for (std::size_t j = 0; j < inside_.size(); ++j) {
@@ -184,7 +178,7 @@ Status DirectSolver::AddSimilarity(std::span<const Complex> miss, ShapeView shap
     }
   }
   TRY(const auto z, similarity_.factor->Solve(right, 1, scratch.workspace));
-  add(z);
+  AddShape(z, shape);
   return {};
 }
 
@@ -192,58 +186,43 @@ const Factor<double>& DirectSolver::rigid_factor() const { return *rigid_.factor
 
 bool DirectSolver::NeedsRigidSolve(bool) const { return true; }
 
-void DirectSolver::CompleteForce(std::span<const Complex> miss, std::span<double> force) const {
-  const std::size_t n = mesh_->rest.size();
-  for (std::size_t v = 0; v < n; ++v) {
-    if (outside_[v]) force[v] = force[n + v] = 0;
+void DirectSolver::CompleteForce(std::span<const Complex> miss, std::span<Complex> force) const {
+  for (std::size_t v = 0; v < force.size(); ++v) {
+    if (outside_[v]) force[v] = 0;
   }
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
-      const double weight = MatrixWeight(rows_[i]) * rows_[i].weight[c];
-      force[rows_[i].vertex[c]] += weight * miss[i].real();
-      force[n + rows_[i].vertex[c]] += weight * miss[i].imag();
+      force[rows_[i].vertex[c]] += MatrixWeight(rows_[i]) * rows_[i].weight[c] * miss[i];
     }
   }
-  for (const std::size_t i : holding_) {
-    const std::uint32_t v = rows_[i].single_vertex();
-    force[v] = miss[i].real();
-    force[n + v] = miss[i].imag();
-  }
-  for (const auto& c : rigid_.couplings) {
-    force[c.free] -= c.value * force[c.held];
-    force[n + c.free] -= c.value * force[n + c.held];
-  }
+  for (const std::size_t i : holding_) force[rows_[i].single_vertex()] = miss[i];
+  for (const auto& c : rigid_.couplings) force[c.free] -= c.value * force[c.held];
 }
 
-Status DirectSolver::AddRigid(const double* solution, std::span<const Complex> miss,
-                              ShapeView shape, SolverScratch& scratch) const {
-  const std::size_t n = mesh_->rest.size();
-  AddShape(solution, solution + n, n, shape);
+Status DirectSolver::AddRigid(std::span<const Complex> solution, std::span<const Complex> miss,
+                              std::span<Complex> shape, SolverScratch& scratch) const {
+  AddShape(solution, shape);
   if (inside_.empty()) return {};
 
   for (std::size_t j = 0; j < inside_.size(); ++j) {
-    const Complex left = miss[inside_[j]] - PointOf(rows_[inside_[j]], {solution, solution + n});
+    const Complex left = miss[inside_[j]] - PointOf(rows_[inside_[j]], solution);
     scratch.rigid_x.right[static_cast<Eigen::Index>(j)] = left.real();
     scratch.rigid_y.right[static_cast<Eigen::Index>(j)] = left.imag();
   }
   rigid_.schur.Solve(scratch.rigid_x);
   rigid_.schur.Solve(scratch.rigid_y);
-  // The same memory holds x and y of the second right-hand side.
-  static_assert(sizeof(Complex) == 2 * sizeof(double));
-  const std::span right(reinterpret_cast<double*>(scratch.complex_right.data()), 2 * n);
-  std::fill(right.begin(), right.end(), 0.0);
+  std::vector<Complex>& right = scratch.complex_right;
+  std::fill(right.begin(), right.end(), Complex(0));
   for (std::size_t j = 0; j < inside_.size(); ++j) {
     const Row& row = rows_[inside_[j]];
     const auto at = static_cast<Eigen::Index>(j);
+    const Complex mu(scratch.rigid_x.solution[at], scratch.rigid_y.solution[at]);
     for (std::size_t c = 0; c < 3; ++c) {
-      if (held_[row.vertex[c]]) continue;
-      right[row.vertex[c]] += row.weight[c] * scratch.rigid_x.solution[at];
-      right[n + row.vertex[c]] += row.weight[c] * scratch.rigid_y.solution[at];
+      if (!held_[row.vertex[c]]) right[row.vertex[c]] += row.weight[c] * mu;
     }
   }
   // Not the workspace of `solution`, which other frames still read.
-  TRY(const auto z, rigid_.factor->Solve(right, 2, scratch.correction));
-  AddShape(z.data(), z.data() + n, n, shape);
+  AddShape(rigid_.factor->SolvePoints(right, 1, scratch.correction), shape);
   return {};
 }
 

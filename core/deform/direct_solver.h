@@ -24,13 +24,13 @@ class DirectSolver : public ConstraintSolver {
                                                               const CancelToken& cancel);
 
   void Prepare(SolverScratch& scratch) const override;
-  Status AddSimilarity(std::span<const Complex> miss, ShapeView shape,
+  Status AddSimilarity(std::span<const Complex> miss, std::span<Complex> shape,
                        SolverScratch& scratch) const override;
   const Factor<double>& rigid_factor() const override;
   bool NeedsRigidSolve(bool turned) const override;
-  void CompleteForce(std::span<const Complex> miss, std::span<double> force) const override;
-  Status AddRigid(const double* solution, std::span<const Complex> miss, ShapeView shape,
-                  SolverScratch& scratch) const override;
+  void CompleteForce(std::span<const Complex> miss, std::span<Complex> force) const override;
+  Status AddRigid(std::span<const Complex> solution, std::span<const Complex> miss,
+                  std::span<Complex> shape, SolverScratch& scratch) const override;
   std::size_t bytes() const override;
 
  private:

@@ -44,49 +44,40 @@ struct ScaledColumn {
   Complex factor;
 };
 
-ARAP_WIDE_BODY void AddFour(const ScaledColumn* c, std::size_t begin, std::size_t end, double* x,
-                            double* y) {
+ARAP_WIDE_BODY void AddFour(const ScaledColumn* c, std::size_t begin, std::size_t end,
+                            double* shape) {
   const double *z0 = c[0].values, *z1 = c[1].values, *z2 = c[2].values, *z3 = c[3].values;
-  const Complex f0 = c[0].factor, f1 = c[1].factor, f2 = c[2].factor, f3 = c[3].factor;
+  const double x0 = c[0].factor.real(), x1 = c[1].factor.real(), x2 = c[2].factor.real(),
+               x3 = c[3].factor.real();
+  const double y0 = c[0].factor.imag(), y1 = c[1].factor.imag(), y2 = c[2].factor.imag(),
+               y3 = c[3].factor.imag();
 #pragma GCC ivdep
   for (std::size_t v = begin; v < end; ++v) {
-    x[v] += (z0[v] * f0.real() + z1[v] * f1.real()) + (z2[v] * f2.real() + z3[v] * f3.real());
-    y[v] += (z0[v] * f0.imag() + z1[v] * f1.imag()) + (z2[v] * f2.imag() + z3[v] * f3.imag());
+    const double a0 = z0[v], a1 = z1[v], a2 = z2[v], a3 = z3[v];
+    shape[2 * v] += (a0 * x0 + a1 * x1) + (a2 * x2 + a3 * x3);
+    shape[2 * v + 1] += (a0 * y0 + a1 * y1) + (a2 * y2 + a3 * y3);
   }
 }
 
 ARAP_WIDE(AddFour, AddFourWide,
-          (const ScaledColumn* c, std::size_t begin, std::size_t end, double* x, double* y),
-          (c, begin, end, x, y))
-
-// shape += Σ values·factor over `columns`, for vertices [begin, end). Their order decides the
-// rounding.
-void AddGroup(const ScaledColumn* columns, std::size_t count, std::size_t begin, std::size_t end,
-              ShapeView shape) {
-  std::size_t i = 0;
-  for (; i + kColumnGroup <= count; i += kColumnGroup) {
-    (HasWide() ? AddFourWide : AddFour)(columns + i, begin, end, shape.x, shape.y);
-  }
-  for (; i < count; ++i) {
-    const Complex factor = columns[i].factor;
-    const double* z = columns[i].values;
-    for (std::size_t v = begin; v < end; ++v) shape.x[v] += z[v] * factor.real();
-    for (std::size_t v = begin; v < end; ++v) shape.y[v] += z[v] * factor.imag();
-  }
-}
+          (const ScaledColumn* c, std::size_t begin, std::size_t end, double* shape),
+          (c, begin, end, shape))
 
 // shape += Σ values·factor over the columns that `column_at(i)` makes, for all n vertices; block by
-// block, so that the shape stays in the nearest cache.
+// block, so that the shape stays in a near cache and columns are read far ahead. Their order decides
+// the rounding; where there are not four more, columns times 0 stand in.
 template <class ColumnAt>
-void AddColumns(std::size_t count, std::size_t n, ShapeView shape, ColumnAt column_at) {
-  constexpr std::size_t kBlock = 1024;
-  for (std::size_t begin = 0; begin < n; begin += kBlock) {
-    const std::size_t end = begin + kBlock < n ? begin + kBlock : n;
+void AddColumns(std::size_t count, std::span<Complex> shape, ColumnAt column_at) {
+  constexpr std::size_t kBlock = 4096;
+  auto* numbers = reinterpret_cast<double*>(shape.data());
+  for (std::size_t begin = 0; begin < shape.size(); begin += kBlock) {
+    const std::size_t end = std::min(begin + kBlock, shape.size());
     for (std::size_t i = 0; i < count; i += kColumnGroup) {
       ScaledColumn group[kColumnGroup];
-      const std::size_t size = count - i < kColumnGroup ? count - i : kColumnGroup;
-      for (std::size_t k = 0; k < size; ++k) group[k] = column_at(i + k);
-      AddGroup(group, size, begin, end, shape);
+      for (std::size_t k = 0; k < kColumnGroup; ++k) {
+        group[k] = i + k < count ? column_at(i + k) : ScaledColumn{group[0].values, 0};
+      }
+      (HasWide() ? AddFourWide : AddFour)(group, begin, end, numbers);
     }
   }
 }
@@ -172,7 +163,7 @@ void NullSpaceSolver::Prepare(SolverScratch& scratch) const {
   scratch.rigid_y.Resize(rigid_.size());
 }
 
-Status NullSpaceSolver::AddSimilarity(std::span<const Complex> miss, ShapeView shape,
+Status NullSpaceSolver::AddSimilarity(std::span<const Complex> miss, std::span<Complex> shape,
                                       SolverScratch& scratch) const {
   const auto k = static_cast<Eigen::Index>(rows_.size());
   for (Eigen::Index i = 0; i < k; ++i) {
@@ -180,7 +171,6 @@ Status NullSpaceSolver::AddSimilarity(std::span<const Complex> miss, ShapeView s
   }
   similarity_.Solve(scratch.similarity);
   const auto& solution = scratch.similarity.solution;
-  const std::size_t n = mesh_->rest.size();
   for (const VertexRun& run : mesh_->runs) {
     if (run.component == kNone || slot_[run.component] == kNone) continue;
     const auto at = k + 2 * static_cast<Eigen::Index>(slot_[run.component]);
@@ -188,7 +178,8 @@ Status NullSpaceSolver::AddSimilarity(std::span<const Complex> miss, ShapeView s
                     {mesh_->components[run.component].center, solution[at], solution[at + 1]},
                     shape);
   }
-  AddColumns(2 * rows_.size(), n, shape, [&](std::size_t i) -> ScaledColumn {
+  // λ z is λ times the real part, and iλ times the imaginary one.
+  AddColumns(2 * rows_.size(), shape, [&](std::size_t i) -> ScaledColumn {
     const Responses::Column& column = responses_->of(columns_[i / 2]);
     const Complex lambda = solution[static_cast<Eigen::Index>(i / 2)];
     if (i % 2 == 0) return {column.similarity_real.data(), lambda};
@@ -201,26 +192,24 @@ const Factor<double>& NullSpaceSolver::rigid_factor() const { return *mesh_->rig
 
 bool NullSpaceSolver::NeedsRigidSolve(bool turned) const { return turned; }
 
-void NullSpaceSolver::CompleteForce(std::span<const Complex>, std::span<double> force) const {
-  const std::size_t n = mesh_->rest.size();
-  for (const MeshComponent& c : mesh_->components) force[c.ground0] = force[n + c.ground0] = 0;
+void NullSpaceSolver::CompleteForce(std::span<const Complex>, std::span<Complex> force) const {
+  for (const MeshComponent& c : mesh_->components) force[c.ground0] = 0;
 }
 
-Status NullSpaceSolver::AddRigid(const double* solution, std::span<const Complex> miss,
-                                 ShapeView shape, SolverScratch& scratch) const {
-  const std::size_t n = mesh_->rest.size();
+Status NullSpaceSolver::AddRigid(std::span<const Complex> solution, std::span<const Complex> miss,
+                                 std::span<Complex> shape, SolverScratch& scratch) const {
   const auto k = static_cast<Eigen::Index>(rows_.size());
   for (Eigen::Index i = 0; i < k; ++i) {
     Complex left = miss[static_cast<std::size_t>(i)];
-    if (solution) left -= PointOf(rows_[static_cast<std::size_t>(i)], {solution, solution + n});
+    if (!solution.empty()) left -= PointOf(rows_[static_cast<std::size_t>(i)], solution);
     scratch.rigid_x.right[i] = left.real();
     scratch.rigid_y.right[i] = left.imag();
   }
-  if (solution) AddShape(solution, solution + n, n, shape);
+  if (!solution.empty()) AddShape(solution, shape);
   rigid_.Solve(scratch.rigid_x);
   rigid_.Solve(scratch.rigid_y);
   const auto &x = scratch.rigid_x.solution, &y = scratch.rigid_y.solution;
-  AddColumns(rows_.size(), n, shape, [&](std::size_t i) -> ScaledColumn {
+  AddColumns(rows_.size(), shape, [&](std::size_t i) -> ScaledColumn {
     const auto row = static_cast<Eigen::Index>(i);
     return {responses_->of(columns_[i]).rigid.data(), {x[row], y[row]}};
   });

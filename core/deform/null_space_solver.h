@@ -20,7 +20,7 @@ namespace arap {
 class Responses {
  public:
   // How the mesh answers one row, per vertex (#V each): in step 1, split in real and imaginary
-  // parts so that adding one is two plain loops, and in step 2.
+  // parts so that adding one is a plain loop, and in step 2.
   struct Column {
     std::vector<double> similarity_real, similarity_imag, rigid;
   };
@@ -48,13 +48,13 @@ class NullSpaceSolver : public ConstraintSolver {
   explicit NullSpaceSolver(const CompiledHandlesParts& parts);
 
   void Prepare(SolverScratch& scratch) const override;
-  Status AddSimilarity(std::span<const Complex> miss, ShapeView shape,
+  Status AddSimilarity(std::span<const Complex> miss, std::span<Complex> shape,
                        SolverScratch& scratch) const override;
   const Factor<double>& rigid_factor() const override;
   bool NeedsRigidSolve(bool turned) const override;
-  void CompleteForce(std::span<const Complex> miss, std::span<double> force) const override;
-  Status AddRigid(const double* solution, std::span<const Complex> miss, ShapeView shape,
-                  SolverScratch& scratch) const override;
+  void CompleteForce(std::span<const Complex> miss, std::span<Complex> force) const override;
+  Status AddRigid(std::span<const Complex> solution, std::span<const Complex> miss,
+                  std::span<Complex> shape, SolverScratch& scratch) const override;
   std::size_t bytes() const override;
 
  private:

@@ -1,9 +1,9 @@
 #include "core/deform/stretch.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "core/base/lanes.h"
 #include "core/base/plane.h"
 #include "core/base/wide.h"
 
@@ -11,42 +11,73 @@ namespace arap {
 namespace {
 
 constexpr double kMaxStretch = 1e30;
-constexpr std::size_t kBlock = 256;
+constexpr std::size_t kBlock = 128;
 using Column = std::array<double, kBlock>;
 
-// Of triangles begin…: max(s1, 1/s2), and twice the signed area.
+// What a block of triangles adds to the measure.
+struct BlockStretch {
+  std::int64_t flipped = 0;
+  double sum = 0, max = 0;
+};
+
+template <std::size_t kMost>
 ARAP_WIDE_BODY void MeasureBlock(const StretchTable::Columns& table, const Triangle* triangles,
                                  const double* positions, double unit, std::size_t begin,
-                                 std::size_t count, Column& worst, Column& twice_area) {
+                                 std::size_t count, BlockStretch& stretch) {
+  Column e1x, e1y, e2x, e2y, worst, share;
+  // Numbers of vertices stay far below 2^31 (MeshLimits).
+  const auto* corners = reinterpret_cast<const std::int32_t*>(triangles[begin].data());
+  GatherEdges<kMost, 3, 2>(positions, corners, {corners + 1, corners + 2}, count,
+                           {e1x.data(), e2x.data()}, {e1y.data(), e2y.data()});
+  std::int64_t flipped = 0;
 #pragma GCC ivdep
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t t = begin + k;
-    // Signed numbers, because the wide loads want signed offsets.
-    const auto i = static_cast<std::int32_t>(triangles[t][0]),
-               j = static_cast<std::int32_t>(triangles[t][1]),
-               l = static_cast<std::int32_t>(triangles[t][2]);
-    const double px = positions[2 * i], py = positions[2 * i + 1];
-    const double e1x = positions[2 * j] - px, e1y = positions[2 * j + 1] - py;
-    const double e2x = positions[2 * l] - px, e2y = positions[2 * l + 1] - py;
     const double a1x = table.a1_x[t], a1y = table.a1_y[t];
     const double a2x = table.a2_x[t], a2y = table.a2_y[t];
-    const double ax = (a1x * e1x - a1y * e1y) + (a2x * e2x - a2y * e2y);
-    const double ay = (a1x * e1y + a1y * e1x) + (a2x * e2y + a2y * e2x);
-    const double bx = (a1x * e1x + a1y * e1y) + (a2x * e2x + a2y * e2y);
-    const double by = (a1x * e1y - a1y * e1x) + (a2x * e2y - a2y * e2x);
+    const double ax = (a1x * e1x[k] - a1y * e1y[k]) + (a2x * e2x[k] - a2y * e2y[k]);
+    const double ay = (a1x * e1y[k] + a1y * e1x[k]) + (a2x * e2y[k] + a2y * e2x[k]);
+    const double bx = (a1x * e1x[k] + a1y * e1y[k]) + (a2x * e2x[k] + a2y * e2y[k]);
+    const double by = (a1x * e1y[k] - a1y * e1x[k]) + (a2x * e2y[k] - a2y * e2x[k]);
     const double big = std::sqrt(ax * ax + ay * ay) * unit,
                  small = std::sqrt(bx * bx + by * by) * unit;
     const double s1 = big + small, s2 = std::abs(big - small);
     const double most = s2 * s1 >= 1 ? s1 : 1 / s2;
     worst[k] = most < kMaxStretch ? most : kMaxStretch;
-    twice_area[k] = e1x * e2y - e1y * e2x;
+    share[k] = table.area[t] * worst[k];
+    flipped += e1x[k] * e2y[k] - e1y[k] * e2x[k] < 0 ? 1 : 0;
+  }
+  stretch.flipped = flipped;
+  stretch.sum = SumOf(share.data(), count);
+  stretch.max = LargestOf(worst.data(), count);
+}
+
+template <std::size_t kMost>
+ARAP_WIDE_BODY void MeasureAll(const StretchTable::Columns& table, const Triangle* triangles,
+                               const double* positions, double unit, BlockStretch& stretch) {
+  for (std::size_t begin = 0; begin < table.area.size(); begin += kBlock) {
+    const std::size_t left = table.area.size() - begin;
+    BlockStretch block;
+    MeasureBlock<kMost>(table, triangles, positions, unit, begin, left < kBlock ? left : kBlock,
+                        block);
+    stretch.flipped += block.flipped;
+    stretch.sum += block.sum;
+    stretch.max = block.max > stretch.max ? block.max : stretch.max;
   }
 }
 
-ARAP_WIDE(MeasureBlock, MeasureBlockWide,
+void MeasurePlain(const StretchTable::Columns& table, const Triangle* triangles,
+                  const double* positions, double unit, BlockStretch& stretch) {
+  MeasureAll<2>(table, triangles, positions, unit, stretch);
+}
+ARAP_WIDE(MeasureAll<4>, MeasureWide,
           (const StretchTable::Columns& table, const Triangle* triangles, const double* positions,
-           double unit, std::size_t begin, std::size_t count, Column& worst, Column& twice_area),
-          (table, triangles, positions, unit, begin, count, worst, twice_area))
+           double unit, BlockStretch& stretch),
+          (table, triangles, positions, unit, stretch))
+ARAP_WIDEST(MeasureAll<8>, MeasureWidest,
+            (const StretchTable::Columns& table, const Triangle* triangles, const double* positions,
+             double unit, BlockStretch& stretch),
+            (table, triangles, positions, unit, stretch))
 
 }  // namespace
 
@@ -74,21 +105,13 @@ StretchTable::StretchTable(const PlanarMesh& mesh, const std::vector<Complex>& r
 StretchTable::Stretch StretchTable::Measure(const PlanarMesh& mesh,
                                             std::span<const Complex> positions,
                                             double diagonal) const {
-  Stretch stretch{0, 0, 1};
-  Column worst, twice_area;
+  BlockStretch stretch{0, 0, 1};
   // A complex number is two doubles in a row, says the standard.
   const auto* numbers = reinterpret_cast<const double*>(positions.data());
-  for (std::size_t begin = 0; begin < columns_.area.size(); begin += kBlock) {
-    const std::size_t count = std::min(kBlock, columns_.area.size() - begin);
-    (HasWide() ? MeasureBlockWide : MeasureBlock)(columns_, mesh.triangles.data(), numbers,
-                                                  1 / diagonal, begin, count, worst, twice_area);
-    for (std::size_t k = 0; k < count; ++k) {
-      if (twice_area[k] < 0) ++stretch.flipped;
-      stretch.mean += columns_.area[begin + k] * worst[k];
-      stretch.max = std::max(stretch.max, worst[k]);
-    }
-  }
-  return stretch;
+  (HasWidest() ? MeasureWidest
+   : HasWide() ? MeasureWide
+               : MeasurePlain)(columns_, mesh.triangles.data(), numbers, 1 / diagonal, stretch);
+  return {static_cast<std::size_t>(stretch.flipped), stretch.sum, stretch.max};
 }
 
 bool IsFlipped(const Triangle& triangle, std::span<const Complex> positions) {

@@ -22,31 +22,36 @@ Numbers NumbersOf(const Similarity& s) {
 const double* NumbersOf(std::span<const Complex> points) {
   return reinterpret_cast<const double*>(points.data());
 }
+double* NumbersOf(std::span<Complex> points) { return reinterpret_cast<double*>(points.data()); }
 
 template <bool kAdd>
 ARAP_WIDE_BODY void Map(const double* rest, std::size_t begin, std::size_t end, const Numbers& s,
-                        double* x, double* y) {
+                        double* shape) {
 #pragma GCC ivdep
   for (std::size_t v = begin; v < end; ++v) {
     const double arm_x = rest[2 * v] - s.from_x, arm_y = rest[2 * v + 1] - s.from_y;
     const double px = s.place_x + (s.turn_x * arm_x - s.turn_y * arm_y);
     const double py = s.place_y + (s.turn_x * arm_y + s.turn_y * arm_x);
-    x[v] = kAdd ? x[v] + px : px;
-    y[v] = kAdd ? y[v] + py : py;
+    shape[2 * v] = kAdd ? shape[2 * v] + px : px;
+    shape[2 * v + 1] = kAdd ? shape[2 * v + 1] + py : py;
   }
 }
 
 ARAP_WIDE_BODY void SetBody(const double* rest, std::size_t begin, std::size_t end,
-                            const Numbers& s, double* x, double* y) {
-  Map<false>(rest, begin, end, s, x, y);
+                            const Numbers& s, double* shape) {
+  Map<false>(rest, begin, end, s, shape);
 }
 ARAP_WIDE_BODY void AddBody(const double* rest, std::size_t begin, std::size_t end,
-                            const Numbers& s, double* x, double* y) {
-  Map<true>(rest, begin, end, s, x, y);
+                            const Numbers& s, double* shape) {
+  Map<true>(rest, begin, end, s, shape);
 }
 
-ARAP_WIDE_BODY void ShiftBody(std::size_t begin, std::size_t end, double by, double* values) {
-  for (std::size_t v = begin; v < end; ++v) values[v] += by;
+ARAP_WIDE_BODY void ShiftBody(std::size_t begin, std::size_t end, double by_x, double by_y,
+                              double* shape) {
+  for (std::size_t v = begin; v < end; ++v) {
+    shape[2 * v] += by_x;
+    shape[2 * v + 1] += by_y;
+  }
 }
 
 ARAP_WIDE_BODY void SumBody(const double* added, std::size_t n, double* values) {
@@ -59,15 +64,14 @@ struct Units {
 };
 
 // `strange` counts numbers that are not finite.
-ARAP_WIDE_BODY void ToUnitsBody(const double* x, const double* y, std::size_t begin,
-                                std::size_t end, const Units& u, double* positions,
-                                std::int64_t& strange) {
+ARAP_WIDE_BODY void ToUnitsBody(const double* shape, std::size_t begin, std::size_t end,
+                                const Units& u, double* positions, std::int64_t& strange) {
   constexpr double kLargest = std::numeric_limits<double>::max();
   std::int64_t count = 0;
 #pragma GCC ivdep
   for (std::size_t v = begin; v < end; ++v) {
-    const double px = u.origin_x + u.unit * (x[v] + u.middle_x);
-    const double py = u.origin_y + u.unit * (y[v] + u.middle_y);
+    const double px = u.origin_x + u.unit * (shape[2 * v] + u.middle_x);
+    const double py = u.origin_y + u.unit * (shape[2 * v + 1] + u.middle_y);
     positions[2 * v] = px;
     positions[2 * v + 1] = py;
     count += std::abs(px) <= kLargest ? 0 : 1;
@@ -77,21 +81,20 @@ ARAP_WIDE_BODY void ToUnitsBody(const double* x, const double* y, std::size_t be
 }
 
 ARAP_WIDE(SetBody, SetWide,
-          (const double* rest, std::size_t begin, std::size_t end, const Numbers& s, double* x,
-           double* y),
-          (rest, begin, end, s, x, y))
+          (const double* rest, std::size_t begin, std::size_t end, const Numbers& s, double* shape),
+          (rest, begin, end, s, shape))
 ARAP_WIDE(AddBody, AddWide,
-          (const double* rest, std::size_t begin, std::size_t end, const Numbers& s, double* x,
-           double* y),
-          (rest, begin, end, s, x, y))
-ARAP_WIDE(ShiftBody, ShiftWide, (std::size_t begin, std::size_t end, double by, double* values),
-          (begin, end, by, values))
+          (const double* rest, std::size_t begin, std::size_t end, const Numbers& s, double* shape),
+          (rest, begin, end, s, shape))
+ARAP_WIDE(ShiftBody, ShiftWide,
+          (std::size_t begin, std::size_t end, double by_x, double by_y, double* shape),
+          (begin, end, by_x, by_y, shape))
 ARAP_WIDE(SumBody, SumWide, (const double* added, std::size_t n, double* values),
           (added, n, values))
 ARAP_WIDE(ToUnitsBody, ToUnitsWide,
-          (const double* x, const double* y, std::size_t begin, std::size_t end, const Units& u,
+          (const double* shape, std::size_t begin, std::size_t end, const Units& u,
            double* positions, std::int64_t& strange),
-          (x, y, begin, end, u, positions, strange))
+          (shape, begin, end, u, positions, strange))
 
 }  // namespace
 
@@ -106,36 +109,32 @@ std::vector<VertexRun> RunsOf(std::span<const std::uint32_t> component) {
 }
 
 void SetToSimilarity(const VertexRun& run, std::span<const Complex> rest,
-                     const Similarity& similarity, ShapeView shape) {
+                     const Similarity& similarity, std::span<Complex> shape) {
   (HasWide() ? SetWide : SetBody)(NumbersOf(rest), run.begin, run.end, NumbersOf(similarity),
-                                  shape.x, shape.y);
+                                  NumbersOf(shape));
 }
 
 void AddSimilarityOf(const VertexRun& run, std::span<const Complex> rest,
-                     const Similarity& similarity, ShapeView shape) {
+                     const Similarity& similarity, std::span<Complex> shape) {
   (HasWide() ? AddWide : AddBody)(NumbersOf(rest), run.begin, run.end, NumbersOf(similarity),
-                                  shape.x, shape.y);
+                                  NumbersOf(shape));
 }
 
-void Shift(const VertexRun& run, Complex by, ShapeView shape) {
-  const auto shift = HasWide() ? ShiftWide : ShiftBody;
-  shift(run.begin, run.end, by.real(), shape.x);
-  shift(run.begin, run.end, by.imag(), shape.y);
+void Shift(const VertexRun& run, Complex by, std::span<Complex> shape) {
+  (HasWide() ? ShiftWide : ShiftBody)(run.begin, run.end, by.real(), by.imag(), NumbersOf(shape));
 }
 
-void AddShape(const double* x, const double* y, std::size_t n, ShapeView shape) {
-  const auto add = HasWide() ? SumWide : SumBody;
-  add(x, n, shape.x);
-  add(y, n, shape.y);
+void AddShape(std::span<const Complex> added, std::span<Complex> shape) {
+  (HasWide() ? SumWide : SumBody)(NumbersOf(added), 2 * added.size(), NumbersOf(shape));
 }
 
-bool ToUnits(const VertexRun& run, ConstShapeView shape, Complex middle, double unit,
+bool ToUnits(const VertexRun& run, std::span<const Complex> shape, Complex middle, double unit,
              Complex origin, std::span<Complex> positions) {
   std::int64_t strange = 0;
   (HasWide() ? ToUnitsWide : ToUnitsBody)(
-      shape.x, shape.y, run.begin, run.end,
-      {middle.real(), middle.imag(), unit, origin.real(), origin.imag()},
-      reinterpret_cast<double*>(positions.data()), strange);
+      NumbersOf(shape), run.begin, run.end,
+      {middle.real(), middle.imag(), unit, origin.real(), origin.imag()}, NumbersOf(positions),
+      strange);
   return strange == 0;
 }
 

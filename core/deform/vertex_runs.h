@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "arap/model/mesh.h"
-#include "core/energy/local_step.h"
 
 namespace arap {
 
@@ -26,20 +25,20 @@ struct Similarity {
 };
 
 // shape := similarity(rest) and shape += similarity(rest), over the run. The same bytes on every processor, as for all
-// of these.
+// of these. `rest` and `shape` are #V.
 void SetToSimilarity(const VertexRun& run, std::span<const Complex> rest,
-                     const Similarity& similarity, ShapeView shape);
+                     const Similarity& similarity, std::span<Complex> shape);
 void AddSimilarityOf(const VertexRun& run, std::span<const Complex> rest,
-                     const Similarity& similarity, ShapeView shape);
+                     const Similarity& similarity, std::span<Complex> shape);
 
 // shape += by, over the run.
-void Shift(const VertexRun& run, Complex by, ShapeView shape);
+void Shift(const VertexRun& run, Complex by, std::span<Complex> shape);
 
-// shape += (x, y), all `n` vertices.
-void AddShape(const double* x, const double* y, std::size_t n, ShapeView shape);
+// shape += added, all vertices.
+void AddShape(std::span<const Complex> added, std::span<Complex> shape);
 
 // positions := origin + unit·(shape + middle), over the run. False when a number is not finite.
-bool ToUnits(const VertexRun& run, ConstShapeView shape, Complex middle, double unit,
+bool ToUnits(const VertexRun& run, std::span<const Complex> shape, Complex middle, double unit,
              Complex origin, std::span<Complex> positions);
 
 }  // namespace arap

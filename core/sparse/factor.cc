@@ -331,6 +331,19 @@ Result<std::span<const Scalar>> Factor<Scalar>::Solve(std::span<const Scalar> ri
 }
 
 template <class Scalar>
+std::span<const std::complex<double>> Factor<Scalar>::SolvePoints(
+    std::span<const std::complex<double>> right, std::size_t shapes, Workspace& workspace) const {
+  Workspace::Data& scratch = workspace.data();
+  const PackedFactor<double>& packed = *data_->real;
+  const std::size_t count = packed.size() * shapes;
+  if (scratch.x.size() < 2 * count) scratch.x.resize(2 * count);
+  if (scratch.lanes.size() < packed.ScratchSize()) scratch.lanes.resize(packed.ScratchSize());
+  auto* x = reinterpret_cast<std::complex<double>*>(scratch.x.data());
+  packed.SolvePoints(right.data(), shapes, x, scratch.lanes);
+  return {x, count};
+}
+
+template <class Scalar>
 std::size_t Factor<Scalar>::size() const {
   return order().size();
 }

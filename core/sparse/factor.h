@@ -84,6 +84,11 @@ class Factor {
   Result<std::span<const Scalar>> Solve(std::span<const Scalar> right, std::size_t columns,
                                         Workspace& workspace) const;
 
+  // The same for the x and y of `shapes` sets of points, of a real matrix that is packed; each set has
+  // the bytes that Solve gives its two columns. No faults; std::bad_alloc as Solve's.
+  std::span<const std::complex<double>> SolvePoints(std::span<const std::complex<double>> right,
+                                                    std::size_t shapes, Workspace& workspace) const;
+
   std::size_t size() const;
   std::span<const int> order() const;
   std::size_t bytes() const;

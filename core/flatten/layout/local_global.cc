@@ -30,13 +30,20 @@ ShapeView View(std::vector<double>& point) {
 
 Result<LocalGlobalResult> Plain(const Cells& cells, const RigidSolver& solver, int iterations,
                                 const CancelToken& cancel, std::vector<double>& point) {
+  const std::size_t n = point.size() / 2;
   std::vector<double> image, right(point.size());
+  std::vector<Complex> shape(n), force(n);
   const std::vector<Complex> mean{0};
   Workspace workspace;
   for (int taken = 0; taken < iterations; ++taken) {
     CHECK_OK(cancel.Check());
-    std::fill(right.begin(), right.end(), 0.0);
-    AddRotatedEdges(cells, View(std::as_const(point)), mean, View(right));
+    for (std::size_t v = 0; v < n; ++v) shape[v] = {point[v], point[n + v]};
+    std::fill(force.begin(), force.end(), Complex(0));
+    AddRotatedEdges(cells, shape, mean, force);
+    for (std::size_t v = 0; v < n; ++v) {
+      right[v] = force[v].real();
+      right[n + v] = force[v].imag();
+    }
     image = point;
     CHECK_OK(solver.Solve(right, {}, image, workspace));
     point.swap(image);

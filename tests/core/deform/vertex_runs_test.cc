@@ -20,16 +20,14 @@ std::vector<Complex> Points(std::size_t n) {
   return points;
 }
 
-struct Shape {
-  explicit Shape(std::size_t n) {
-    for (std::size_t i = 0; i < n; ++i) {
-      x.push_back(std::cos(7.0 * static_cast<double>(i)));
-      y.push_back(std::sin(11.0 * static_cast<double>(i)));
-    }
+std::vector<Complex> Shape(std::size_t n) {
+  std::vector<Complex> shape;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto k = static_cast<double>(i);
+    shape.emplace_back(std::cos(7 * k), std::sin(11 * k));
   }
-  ShapeView View() { return {x.data(), y.data()}; }
-  std::vector<double> x, y;
-};
+  return shape;
+}
 
 TEST(VertexRuns, AreNeighboursOfOneComponent) {
   const std::vector<std::uint32_t> component{0, 0, 1, kNone, kNone, 0};
@@ -52,49 +50,43 @@ TEST(VertexRuns, MoveWhatIsInTheRunAndNothingElse) {
     const VertexRun run{2, 2 + length, 0};
     const std::size_t n = length + 5;
     const std::vector<Complex> rest = Points(n);
-    const Shape before(n);
-    Shape set = before, added = before, shifted = before;
-    SetToSimilarity(run, rest, s, set.View());
-    AddSimilarityOf(run, rest, s, added.View());
-    Shift(run, {0.1, -0.7}, shifted.View());
+    const std::vector<Complex> before = Shape(n);
+    std::vector<Complex> set = before, added = before, shifted = before;
+    SetToSimilarity(run, rest, s, set);
+    AddSimilarityOf(run, rest, s, added);
+    Shift(run, {0.1, -0.7}, shifted);
     for (std::size_t v = 0; v < n; ++v) {
       const bool inside = v >= run.begin && v < run.end;
       const Complex arm = rest[v] - s.from;
       const double px = s.place.real() + (s.turn.real() * arm.real() - s.turn.imag() * arm.imag());
       const double py = s.place.imag() + (s.turn.real() * arm.imag() + s.turn.imag() * arm.real());
-      EXPECT_EQ(set.x[v], inside ? px : before.x[v]) << length << " " << v;
-      EXPECT_EQ(set.y[v], inside ? py : before.y[v]);
-      EXPECT_EQ(added.x[v], inside ? before.x[v] + px : before.x[v]);
-      EXPECT_EQ(added.y[v], inside ? before.y[v] + py : before.y[v]);
-      EXPECT_EQ(shifted.x[v], inside ? before.x[v] + 0.1 : before.x[v]);
-      EXPECT_EQ(shifted.y[v], inside ? before.y[v] - 0.7 : before.y[v]);
+      const Complex p(px, py);
+      EXPECT_EQ(set[v], inside ? p : before[v]) << length << " " << v;
+      EXPECT_EQ(added[v], inside ? before[v] + p : before[v]);
+      EXPECT_EQ(shifted[v], inside ? before[v] + Complex(0.1, -0.7) : before[v]);
     }
   }
 }
 
 TEST(VertexRuns, AddAWholeShape) {
   for (std::size_t n = 0; n <= 9; ++n) {
-    const Shape before(n);
-    const std::vector<double> x(n, 0.1), y(n, -0.3);
-    Shape sum = before;
-    AddShape(x.data(), y.data(), n, sum.View());
-    for (std::size_t v = 0; v < n; ++v) {
-      EXPECT_EQ(sum.x[v], before.x[v] + 0.1);
-      EXPECT_EQ(sum.y[v], before.y[v] - 0.3);
-    }
+    const std::vector<Complex> before = Shape(n), added(n, {0.1, -0.3});
+    std::vector<Complex> sum = before;
+    AddShape(added, sum);
+    for (std::size_t v = 0; v < n; ++v) EXPECT_EQ(sum[v], before[v] + Complex(0.1, -0.3));
   }
 }
 
 TEST(VertexRuns, GoBackToTheUnitsOfTheMesh) {
   const std::size_t n = 11;
-  Shape shape(n);
+  const std::vector<Complex> shape = Shape(n);
   const VertexRun run{1, 10, 0};
   std::vector<Complex> positions(n, Complex(-1, -1));
-  EXPECT_TRUE(ToUnits(run, {shape.x.data(), shape.y.data()}, {0.5, 2}, 100, {1e6, -3}, positions));
+  EXPECT_TRUE(ToUnits(run, shape, {0.5, 2}, 100, {1e6, -3}, positions));
   for (std::size_t v = 0; v < n; ++v) {
     const bool inside = v >= run.begin && v < run.end;
-    EXPECT_EQ(positions[v].real(), inside ? 1e6 + 100 * (shape.x[v] + 0.5) : -1);
-    EXPECT_EQ(positions[v].imag(), inside ? -3 + 100 * (shape.y[v] + 2) : -1);
+    EXPECT_EQ(positions[v].real(), inside ? 1e6 + 100 * (shape[v].real() + 0.5) : -1);
+    EXPECT_EQ(positions[v].imag(), inside ? -3 + 100 * (shape[v].imag() + 2) : -1);
   }
 }
 
@@ -105,12 +97,12 @@ TEST(VertexRuns, SayWhereverANumberIsNotFinite) {
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e308}) {
     for (std::uint32_t at = 0; at < n; ++at) {
       for (const bool in_x : {true, false}) {
-        Shape shape(n);
-        (in_x ? shape.x : shape.y)[at] = strange;  // 1e308 overflows in the units of the mesh
-        const ConstShapeView view{shape.x.data(), shape.y.data()};
-        EXPECT_FALSE(ToUnits({0, n, 0}, view, 0, 100, 0, positions)) << strange << " " << at;
+        std::vector<Complex> shape = Shape(n);
+        // 1e308 overflows in the units of the mesh.
+        shape[at] = in_x ? Complex(strange, 0) : Complex(0, strange);
+        EXPECT_FALSE(ToUnits({0, n, 0}, shape, 0, 100, 0, positions)) << strange << " " << at;
         // A run that it is not in.
-        EXPECT_TRUE(at == 0 || ToUnits({0, at, 0}, view, 0, 100, 0, positions));
+        EXPECT_TRUE(at == 0 || ToUnits({0, at, 0}, shape, 0, 100, 0, positions));
       }
     }
   }

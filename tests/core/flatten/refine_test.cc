@@ -59,11 +59,7 @@ struct Case {
   LocalGlobalResult Refine(const LocalGlobalOptions& options, std::vector<Complex>& uv) const {
     return Must(LocalGlobal(cells, {}, *solver, options, {}, uv));
   }
-  double Energy(const std::vector<Complex>& uv) const {
-    std::vector<double> x, y;
-    for (const Complex p : uv) x.push_back(p.real()), y.push_back(p.imag());
-    return RigidEnergy(cells, {x.data(), y.data()});
-  }
+  double Energy(const std::vector<Complex>& uv) const { return RigidEnergy(cells, uv); }
 
   std::vector<Chart> charts;
   Cells cells;
@@ -84,6 +80,11 @@ struct Shape {
     }
   }
   ConstShapeView View() const { return {x.data(), y.data()}; }
+  std::vector<Complex> Points() const {
+    std::vector<Complex> points;
+    for (std::size_t v = 0; v < x.size(); ++v) points.emplace_back(x[v], y[v]);
+    return points;
+  }
   ShapeView Edit() { return {x.data(), y.data()}; }
   Shape Plus(double t, const Shape& d) const {
     Shape sum = *this;
@@ -121,11 +122,11 @@ TEST(RigidDescentTest, HasTheDerivativesOfTheEnergy) {
     RigidDescent descent(cells);
     Shape pull(n), scratch(n);
     const double energy = descent.Pull(at.View(), pull.Edit(), n);
-    EXPECT_NEAR(energy, RigidEnergy(cells, at.View()), 1e-13 * energy);
+    EXPECT_NEAR(energy, RigidEnergy(cells, at.Points()), 1e-13 * energy);
     const double bend = descent.Bend(along.View());
     constexpr double kStep = 1e-5;
-    const double before = RigidEnergy(cells, at.Plus(-kStep, along).View());
-    const double after = RigidEnergy(cells, at.Plus(kStep, along).View());
+    const double before = RigidEnergy(cells, at.Plus(-kStep, along).Points());
+    const double after = RigidEnergy(cells, at.Plus(kStep, along).Points());
     const double slope = (after - before) / (2 * kStep);
     EXPECT_NEAR(pull.Dot(along), -slope / 2, 1e-7 * std::abs(slope));
     // The second difference of the energy is the first one of its slope.

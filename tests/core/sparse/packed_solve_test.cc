@@ -193,15 +193,43 @@ TYPED_TEST(PackedSolveTest, AColumnHasTheSameBytesInAnyCompany) {
   }
 }
 
-TYPED_TEST(PackedSolveTest, PlainAndWideKernelsGiveTheSameBytes) {
+TYPED_TEST(PackedSolveTest, EveryMachineCodeGivesTheSameBytes) {
   using Scalar = TypeParam;
-  if (&SolveKernels() == &PlainSolveKernels()) GTEST_SKIP() << "this processor has the plain one";
+  const std::span<const PackedKernels> all = SolveKernelsHere();
+  if (all.size() == 1) GTEST_SKIP() << "this processor has only the plain code";
   for (int size = 1; size <= kWidest; ++size) {
     const PackedFactor<Scalar> packed = HandMade<Scalar>(size).Pack();
     for (std::size_t columns = 1; columns <= 5; ++columns) {
       const auto b = Numbers<Scalar>(columns * packed.size(), columns);
-      const auto plain = Solve(packed, b, columns, PlainSolveKernels());
-      EXPECT_TRUE(SameBytes<Scalar>(plain, Solve(packed, b, columns, SolveKernels())));
+      const auto plain = Solve(packed, b, columns, all.front());
+      for (const PackedKernels& other : all.subspan(1)) {
+        EXPECT_TRUE(SameBytes<Scalar>(plain, Solve(packed, b, columns, other)));
+      }
+    }
+  }
+}
+
+TEST(PackedSolvePointsTest, GivesTheBytesOfTwoColumns) {
+  const auto lower = Grids<double>(18, 1, 7);
+  const auto n = static_cast<std::size_t>(lower.rows());
+  const auto packed = Factor<double>::Make(lower, FactorLayout::kPacked);
+  ASSERT_TRUE(packed.has_value());
+  constexpr std::size_t kShapes = 3;
+  auto points = Numbers<std::complex<double>>(kShapes * n, 4);
+  points[3] = points[n + 1] = {-0.0, -0.0};
+  Workspace w1, w2;
+  for (std::size_t shapes = 1; shapes <= kShapes; ++shapes) {
+    const auto all = (*packed)->SolvePoints(std::span(points).first(shapes * n), shapes, w1);
+    ASSERT_EQ(all.size(), shapes * n);
+    for (std::size_t s = 0; s < shapes; ++s) {
+      std::vector<double> columns;
+      for (std::size_t v = 0; v < n; ++v) columns.push_back(points[s * n + v].real());
+      for (std::size_t v = 0; v < n; ++v) columns.push_back(points[s * n + v].imag());
+      const auto both = *(*packed)->Solve(columns, 2, w2);
+      for (std::size_t v = 0; v < n; ++v) {
+        const std::complex<double> expected(both[v], both[n + v]);
+        ASSERT_EQ(std::memcmp(&all[s * n + v], &expected, sizeof(expected)), 0) << s << " " << v;
+      }
     }
   }
 }
