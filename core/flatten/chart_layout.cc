@@ -59,6 +59,8 @@ class LayoutSteps {
     }
     Place(wishes);
     layout_.factor_times = factors_.times();
+    layout_.factor_times.analysis += injective_times_.analysis;
+    layout_.factor_times.numbers += injective_times_.numbers;
     return std::move(layout_);
   }
 
@@ -218,6 +220,7 @@ class LayoutSteps {
     }
     TRY(auto layout, FlattenInjective(chart_.mesh, chart_.loops, layout_.uv, options, cancel_));
     layout_.uv = std::move(layout.uv);
+    injective_times_ = layout.times;
     return {};
   }
 
@@ -263,6 +266,7 @@ class LayoutSteps {
   Complex origin_ = 0;
   Cells cells_;
   ChartLayout layout_;
+  FactorTimes injective_times_;
 };
 
 }  // namespace

@@ -54,7 +54,7 @@ struct VertexCost {
   double Spectral(bool edge_cells) const { return (edge_cells ? 3.4 : 1.7) * far; }
   double Angles() const { return 14 + 7 * far; }  // of an interior vertex
   double Iteration() const { return 0.08 + 0.028 * std::max(log - 10, 0.0); }
-  double Injective() const { return 40 + 40 * far; }
+  double Injective() const { return 12 + 4 * far; }
 
   double log, far;
 };

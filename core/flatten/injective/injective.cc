@@ -9,117 +9,19 @@
 #include "core/base/plane.h"
 #include "core/base/try.h"
 #include "core/flatten/distortion.h"
+#include "core/flatten/injective/gradients.h"
+#include "core/flatten/injective/newton_descent.h"
+#include "core/flatten/injective/patches.h"
 #include "core/flatten/injective/tutte.h"
 
 namespace arap {
 namespace {
 
-// An energy this near to an isometry is rounding.
-constexpr double kExact = 1e-20;
-constexpr double kArmijo = 1e-4;
-constexpr double kLeastStep = 1e-12, kLargestStep = 1e6;
-constexpr double kBeforeLimit = 0.9;  // of the step that would collapse a triangle
-
-constexpr double kFirstEpsilon = 1e-2;
-constexpr int kMaxUntangling = 1000;
-constexpr int kPatience = 100;  // untangling steps without fewer flips
-
-// What both descents work on: the energy and the triangles that count.
-struct DescentProblem {
-  Newton& newton;
-  std::span<const Triangle> triangles;
-  const std::vector<bool>& left_out;  // #F or empty
-  const CancelToken& cancel;          // asked before every step
-};
-
-// Walks from one layout to the next; keeps its memory.
-class Walker {
- public:
-  explicit Walker(const DescentProblem& problem) : problem_(problem) {}
-
-  // Moves uv along the step by t <= limit such that the energy falls; answers t, or 0 where no step
-  // helps. Longer steps than Newton's are tried: collapsed parts want to grow by far more than the
-  // quadratic model expects.
-  double Advance(const Newton::Step& step, double epsilon, double limit, std::vector<Complex>& uv,
-                 double& energy) {
-    double t = std::min(1.0, limit), fallen = energy;
-    for (;; t /= 2) {
-      if (!(t > kLeastStep)) return 0;
-      if (Try(step, epsilon, t, uv, fallen) && fallen <= energy + kArmijo * t * step.slope) break;
-    }
-    best_.swap(trial_);
-    for (double further = fallen; 2 * t <= limit; t *= 2) {
-      if (!Try(step, epsilon, 2 * t, uv, further) || !(further < fallen)) break;
-      fallen = further;
-      best_.swap(trial_);
-    }
-    uv.swap(best_);
-    energy = fallen;
-    return t;
-  }
-
- private:
-  bool Try(const Newton::Step& step, double epsilon, double t, const std::vector<Complex>& uv,
-           double& energy) {
-    trial_.resize(uv.size());
-    for (std::size_t v = 0; v < uv.size(); ++v) trial_[v] = uv[v] + t * step.move[v];
-    energy = problem_.newton.Energy(trial_, epsilon);
-    return epsilon > 0 || NotUpright(problem_.triangles, trial_, problem_.left_out).empty();
-  }
-
-  const DescentProblem& problem_;
-  std::vector<Complex> trial_, best_;
-};
-
-// Moves `uv` until every triangle is upright, or until no more flips have gone for a while: look at
-// the result. Adds its steps to `iterations`. Faults: kNumerical, what the token answers.
-// [Garanzha et al. 2021]
-Status Untangle(const DescentProblem& problem, std::vector<Complex>& uv, int& iterations) {
-  Walker walker(problem);
-  double epsilon = std::max(kFirstEpsilon, std::abs(problem.newton.LeastDeterminant(uv)));
-  std::size_t fewest = std::numeric_limits<std::size_t>::max();
-  for (int i = 0, idle = 0; i < kMaxUntangling && idle < kPatience; ++i, ++idle) {
-    const std::size_t flipped = NotUpright(problem.triangles, uv, problem.left_out).size();
-    if (flipped == 0) break;
-    if (flipped < fewest) fewest = flipped, idle = 0;
-    CHECK_OK(problem.cancel.Check());
-    TRY(const auto step, problem.newton.Direction(uv, epsilon));
-    const double before = problem.newton.Energy(uv, epsilon);
-    double after = before;
-    walker.Advance(step, epsilon, kLargestStep, uv, after);
-    ++iterations;
-    // The faster the energy falls the sharper it may become [Garanzha et al. 2021 §3].
-    const double fall = std::max((before - after) / (before + 4), 0.1);
-    const double least = problem.newton.LeastDeterminant(uv);
-    const double chi = 0.5 * (least + std::sqrt(least * least + epsilon * epsilon));
-    const double aim = (1 - fall) * chi;
-    epsilon = least < aim ? 2 * std::sqrt(aim * (aim - least)) : 1e-10;
-  }
-  return {};
-}
-
-// Descends the symmetric Dirichlet energy from an upright layout through upright layouts, until a
-// step brings less than the fraction `stop` of what is above an isometry, or `max_iterations` are
-// done. Steps count as above. [Smith and Schaefer 2015]
-Status Descend(const DescentProblem& problem, double stop, int max_iterations,
-               std::vector<Complex>& uv, int& iterations) {
-  Walker walker(problem);
-  double energy = problem.newton.Energy(uv, 0);
-  for (int i = 0, idle = 0; i < max_iterations && energy > kExact; ++i) {
-    CHECK_OK(problem.cancel.Check());
-    TRY(const auto step, problem.newton.Direction(uv, 0));
-    if (-step.slope <= 0.1 * stop * energy) break;
-    const double limit = std::min(kLargestStep, kBeforeLimit * problem.newton.Limit(uv, step.move));
-    const double before = energy;
-    const double t = walker.Advance(step, 0, limit, uv, energy);
-    if (t == 0) break;
-    ++iterations;
-    // A step cut short by its limit may bring little without being the last.
-    idle = before - energy <= stop * energy ? idle + 1 : 0;
-    if (idle > 0 && (t >= 1 || idle > 2)) break;
-  }
-  return {};
-}
+constexpr int kUntanglingPatience = 100;  // untangling steps without fewer flips
+// Steps of the quick descent before Newton's have to help.
+constexpr int kMaxGradients = 300;
+// It is nearer to its end than its last step tells.
+constexpr double kGradientsStop = 0.1;
 
 Status CheckPins(const std::vector<LayoutPin>& pins, std::size_t vertices) {
   std::vector<bool> seen(vertices, false);
@@ -147,12 +49,12 @@ Status CheckPins(const std::vector<LayoutPin>& pins, std::size_t vertices) {
 class Search {
  public:
   Search(const SurfaceMesh& mesh, std::span<const std::vector<std::uint32_t>> loops,
-         const InjectiveOptions& options, const CancelToken& cancel, Newton newton)
+         const InjectiveOptions& options, const CancelToken& cancel)
       : mesh_(mesh),
         loops_(loops),
         options_(options),
         cancel_(cancel),
-        newton_(std::move(newton)),
+        newton_(Newton::Make(mesh, options.pins, options.left_out)),
         boundary_(mesh.vertices.size(), false) {
     for (const auto& loop : loops) {
       for (const std::uint32_t v : loop) boundary_[v] = true;
@@ -162,14 +64,34 @@ class Search {
   Result<InjectiveLayout> Run(std::span<const Complex> candidate) {
     InjectiveLayout layout;
     CHECK_OK(Start(candidate, layout));
-    CHECK_OK(
-        Descend(Problem(), options_.stop, options_.max_iterations, layout.uv, layout.iterations));
+    TRY(const bool converged, DescendQuickly(layout));
+    if (!converged) {
+      CHECK_OK(
+          Descend(Problem(), options_.stop, options_.max_iterations, layout.uv, layout.iterations));
+    }
     if (!Injective(layout.uv)) return NotInjective(layout.uv);
     layout.energy = 4 + newton_.Distortion(layout.uv, 0);
+    Add(newton_.times(), layout);
     return layout;
   }
 
  private:
+  static void Add(const FactorTimes& times, InjectiveLayout& layout) {
+    layout.times.analysis += times.analysis;
+    layout.times.numbers += times.numbers;
+  }
+
+  // Whether that was all there is to do.
+  Result<bool> DescendQuickly(InjectiveLayout& layout) const {
+    const int most = std::min(kMaxGradients, options_.max_iterations);
+    const GradientsOptions options{most, kGradientsStop * options_.stop, options_.pins,
+                                   options_.left_out};
+    TRY(const auto quick, DescendGradients(mesh_, options, cancel_, layout.uv));
+    layout.iterations += quick.iterations;
+    Add(quick.times, layout);
+    return quick.converged;
+  }
+
   DescentProblem Problem() { return {newton_, mesh_.triangles, options_.left_out, cancel_}; }
 
   bool Injective(std::span<const Complex> uv) const {
@@ -248,8 +170,8 @@ class Search {
     return Injective(uv);
   }
 
-  // The first injective layout that meets the hard pins among: the candidate, Tutte's embeddings,
-  // these pulled to the pins, and these untangled.
+  // The first injective layout that meets the hard pins among: the candidate, the candidate mended
+  // around its flips, Tutte's embeddings, these pulled to the pins, and all of them untangled.
   Status Start(std::span<const Complex> candidate, InjectiveLayout& layout) {
     std::vector<std::vector<Complex>> starts;  // injective or not, pins not met
     const bool given = candidate.size() == mesh_.vertices.size() &&
@@ -259,6 +181,10 @@ class Search {
       layout.uv = starts.back();
       if (MeetsPins(layout.uv)) return {};
       CHECK_OK(CheckHardTriangles(layout.uv));
+      TRY(const bool upright, MendPatches(mesh_, options_.pins, options_.left_out, cancel_,
+                                          layout.uv, layout.iterations));
+      layout.start = InjectiveStart::kMended;
+      if (upright && Injective(layout.uv)) return {};
     }
     layout.start = InjectiveStart::kTutte;
     for (const TutteWeights weights : {TutteWeights::kCotangent, TutteWeights::kUniform}) {
@@ -285,7 +211,7 @@ class Search {
     for (std::vector<Complex>& uv : starts) {
       layout.uv = std::move(uv);
       MeetHardPins(layout.uv);
-      CHECK_OK(Untangle(Problem(), layout.uv, layout.iterations));
+      CHECK_OK(Untangle(Problem(), kUntanglingPatience, layout.uv, layout.iterations));
       if (Injective(layout.uv)) return {};
       const std::size_t flipped = NotUpright(mesh_.triangles, layout.uv, options_.left_out).size();
       if (flipped < fewest) fewest = flipped, nearest = layout.uv;
@@ -311,7 +237,7 @@ class Search {
     for (const double weight : {1e1, 1e3, 1e5, 1e7}) {
       std::vector<LayoutPin> soft = options_.pins;
       for (LayoutPin& pin : soft) pin.weight = std::min(pin.weight, weight);
-      TRY(auto newton, Newton::Make(mesh_, soft, options_.left_out));
+      Newton newton = Newton::Make(mesh_, soft, options_.left_out);
       const DescentProblem problem{newton, mesh_.triangles, options_.left_out, cancel_};
       CHECK_OK(
           Descend(problem, options_.stop, options_.max_iterations, layout.uv, layout.iterations));
@@ -340,8 +266,7 @@ Result<InjectiveLayout> FlattenInjective(const SurfaceMesh& mesh,
                                          const InjectiveOptions& options,
                                          const CancelToken& cancel) {
   CHECK_OK(CheckPins(options.pins, mesh.vertices.size()));
-  TRY(auto newton, Newton::Make(mesh, options.pins, options.left_out));
-  return Search(mesh, loops, options, cancel, std::move(newton)).Run(start);
+  return Search(mesh, loops, options, cancel).Run(start);
 }
 
 }  // namespace arap

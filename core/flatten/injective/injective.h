@@ -34,18 +34,22 @@ enum class InjectiveStart {
 struct InjectiveLayout {
   std::vector<Complex> uv;  // #V
   InjectiveStart start = InjectiveStart::kGiven;
-  int iterations = 0;  // Newton steps, those of mending included
+  int iterations = 0;  // steps of all kinds, those of mending included
   double energy = 4;   // symmetric Dirichlet energy, area-weighted; 4 is an isometry
+  FactorTimes times;   // of the factors of both descents
 };
 
-// Descends the symmetric Dirichlet energy by projected Newton steps that never collapse a triangle.
+// Mends the candidate around its flips, where these are few, or starts from Tutte's embedding, and
+// descends the symmetric Dirichlet energy by steps that never collapse a triangle: conjugate
+// gradients first, projected Newton steps where these do not come to an end.
 // `mesh` is valid, oriented, connected, of genus 0 and normalised to a unit diagonal; `loops` are
 // its boundary loops (at least one, ordered as the triangles run), longest first; `start` (#V) is a
 // candidate, flips and all, in the plane of the pins; it may be empty. Every triangle of the answer
 // that counts is upright by more than rounding (Upright), and no inner vertex is wound twice; far
 // parts of the layout may still overlap. An isometric start comes back as it is.
 //
-// Stateless, deterministic. Some 3 ms per 1000 triangles and iteration, seldom 20 iterations.
+// Stateless, deterministic. Some 0.05 ms per 1000 triangles and step of conjugate gradients, seldom
+// 150, and 1 ms for one of Newton's.
 // Faults: kNotInjective when no such layout was reached (nothing is returned then); kInvalidOption
 // for pins that name no vertex, one twice, or are not numbers; kNumerical; what `cancel` answers
 // between iterations. [Smith and Schaefer 2015; Rabinovich et al. 2017; untangling: Garanzha et al.

@@ -111,8 +111,8 @@ Density UntanglingDensity(double a, double b, double epsilon) {
   return density;
 }
 
-Result<Newton> Newton::Make(const SurfaceMesh& mesh, std::span<const LayoutPin> pins,
-                            const std::vector<bool>& left_out) {
+Newton Newton::Make(const SurfaceMesh& mesh, std::span<const LayoutPin> pins,
+                    const std::vector<bool>& left_out) {
   Newton newton;
   const std::size_t n = mesh.vertices.size();
   double total = 0;
@@ -139,8 +139,6 @@ Result<Newton> Newton::Make(const SurfaceMesh& mesh, std::span<const LayoutPin> 
   }
   newton.gradient_.resize(2 * n);
   newton.move_.resize(n);
-  newton.MakePattern(n);
-  TRY(newton.factor_, Factor<double>::Analyse(newton.hessian_, FactorLayout::kSupernodal));
   return newton;
 }
 
@@ -260,6 +258,11 @@ void Newton::Add(const Element& e, std::span<const Complex> uv, double epsilon) 
 }
 
 Result<Newton::Step> Newton::Direction(std::span<const Complex> uv, double epsilon) {
+  if (!factor_) {
+    MakePattern(move_.size());
+    TRY(factor_, Factor<double>::Analyse(hessian_, FactorLayout::kSupernodal));
+    times_.analysis += factor_->times().analysis;
+  }
   std::fill(gradient_.begin(), gradient_.end(), 0.0);
   double* values = hessian_.valuePtr();
   std::fill(values, values + hessian_.nonZeros(), 0.0);
@@ -293,6 +296,7 @@ Result<Newton::Step> Newton::Direction(std::span<const Complex> uv, double epsil
       }
     }
     auto ok = factor_->Again(hessian_);
+    times_.numbers += factor_->times().numbers;
     if (ok) break;
     if (next * kMoreShift > kLastShift) return Fail(std::move(ok.error()));
   }

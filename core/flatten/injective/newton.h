@@ -49,13 +49,13 @@ struct LayoutPin {
 // The energy of layouts of one surface: the density of a triangle, weighted by its share of the
 // rest area, plus weight·|z − uv|² for every soft pin. `epsilon` 0 is the symmetric Dirichlet
 // energy less 4, which is infinite when a triangle is not upright; epsilon > 0 is Untangling. One
-// object per job: the pattern of the Hessian is analysed once. Not thread-safe.
+// object per job: the pattern of the Hessian is analysed once, when the first step is asked for.
+// Not thread-safe.
 class Newton {
  public:
-  // The mesh must outlive the object. Triangles in the mask `left_out` (#F or empty) have no
-  // energy. Fault: kNumerical when memory runs out.
-  static Result<Newton> Make(const SurfaceMesh& mesh, std::span<const LayoutPin> pins,
-                             const std::vector<bool>& left_out);
+  // Triangles in the mask `left_out` (#F or empty) have no energy.
+  static Newton Make(const SurfaceMesh& mesh, std::span<const LayoutPin> pins,
+                     const std::vector<bool>& left_out);
 
   double Energy(std::span<const Complex> uv, double epsilon) const;
 
@@ -70,8 +70,8 @@ class Newton {
   double LeastDeterminant(std::span<const Complex> uv) const;
 
   // The step (#V) that a quadratic model of the energy, made convex, asks for, and its slope
-  // gradient·step <= 0. Valid until the next call. Fault: kNumerical. [Teran et al. 2005; the
-  // eigenvalues in closed form, Smith et al. 2019, here in complex numbers]
+  // gradient·step <= 0. Valid until the next call. Faults: kNumerical, kOutOfMemory.
+  // [Teran et al. 2005; the eigenvalues in closed form, Smith et al. 2019, here in complex numbers]
   struct Step {
     std::span<const Complex> move;
     double slope = 0;
@@ -81,6 +81,9 @@ class Newton {
   // Largest t for which no triangle of uv + t·move has collapsed; infinite when none ever does
   // [Smith and Schaefer 2015]. Needs upright triangles.
   double Limit(std::span<const Complex> uv, std::span<const Complex> move) const;
+
+  // Of all factors so far.
+  const FactorTimes& times() const { return times_; }
 
  private:
   // A triangle of the energy. Corner k's part in α is w[k], in β conj(w[k]).
@@ -101,6 +104,7 @@ class Newton {
   Eigen::SparseMatrix<double> hessian_;
   std::vector<int> diagonal_;  // 2·#V slots
   std::unique_ptr<Factor<double>> factor_;
+  FactorTimes times_;
   Workspace workspace_;
   std::vector<double> gradient_;
   std::vector<Complex> move_;

@@ -78,7 +78,7 @@ TEST(InjectiveTest, LaysDeepSurfacesOutWithoutAFlip) {
     const auto layout = Lay(mesh);
     ExpectInjective(mesh, layout);
     EXPECT_EQ(layout->start, InjectiveStart::kTutte);
-    EXPECT_LT(layout->iterations, 100);
+    EXPECT_LT(layout->iterations, 300);
   }
 }
 
@@ -98,12 +98,11 @@ TEST(InjectiveTest, EndsAtAMinimum) {
   const auto layout = Lay(cap);
   ExpectInjective(cap, layout);
   auto newton = Newton::Make(cap, {}, {});
-  ASSERT_TRUE(newton.has_value());
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::vector<Complex> near = layout->uv;
     const auto noise = Noise(near.size(), 1e-3, seed);
     for (std::size_t v = 0; v < near.size(); ++v) near[v] += noise[v];
-    EXPECT_GE(newton->Energy(near, 0) + 4, layout->energy);
+    EXPECT_GE(newton.Energy(near, 0) + 4, layout->energy);
   }
   // Whatever the start, the same minimum.
   std::vector<Complex> flipped = layout->uv;

@@ -106,7 +106,7 @@ struct FlattenCost {
 // (docs/operations.md): within a factor of 2 of the time and of 1.3 of the memory for surfaces
 // numbered row by row. Two things are not known before: how often a descent refines, which is taken
 // to be 20 times at most, or `refine` in full where refine_stop is below the service's; and whether
-// an injective layout has to be searched for, which is taken to be so, with 20 Newton steps.
+// an injective layout has to be searched for, which is taken to be so, without Newton steps.
 FlattenCost EstimateFlatten(const SurfaceSize& size, const FlattenOptions& options,
                             bool keep = false);
 
