@@ -112,9 +112,8 @@ void SquarePlain(View x, std::size_t rows, std::size_t columns, std::size_t dept
 }
 
 #if defined(__x86_64__) && defined(__GNUC__)
-[[gnu::target("avx2,fma")]] void SquareWide(View x, std::size_t rows, std::size_t columns,
-                                            std::size_t depth, double* out,
-                                            std::size_t out_stride) {
+[[gnu::target("avx2")]] void SquareWide(View x, std::size_t rows, std::size_t columns,
+                                        std::size_t depth, double* out, std::size_t out_stride) {
   SquareOf<4, 2>(x, rows, columns, depth, out, out_stride);
 }
 [[gnu::target("avx512f")]] void SquareWidest(View x, std::size_t rows, std::size_t columns,
@@ -122,14 +121,15 @@ void SquarePlain(View x, std::size_t rows, std::size_t columns, std::size_t dept
                                              std::size_t out_stride) {
   SquareOf<8, 2>(x, rows, columns, depth, out, out_stride);
 }
-Square BestSquare() {
-  if (__builtin_cpu_supports("avx512f")) return SquareWidest;
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return SquareWide;
+#endif
+
+Square SquareBy(ProductCode code) {
+#if defined(__x86_64__) && defined(__GNUC__)
+  if (code == ProductCode::kAvx512) return SquareWidest;
+  if (code == ProductCode::kAvx2) return SquareWide;
+#endif
   return SquarePlain;
 }
-#else
-Square BestSquare() { return SquarePlain; }
-#endif
 
 // Real columns of one product.
 constexpr std::size_t kStrip = 64;
@@ -168,8 +168,8 @@ template <class Scalar>
 class Factorisation {
  public:
   Factorisation(const SupernodalPattern& pattern, const Eigen::SparseMatrix<Scalar>& lower,
-                Scalar* values)
-      : pattern_(pattern), values_(values), square_(BestSquare()) {
+                Scalar* values, ProductCode code)
+      : pattern_(pattern), values_(values), square_(SquareBy(code)) {
     TakeMatrix(lower);
     FindSizes();
   }
@@ -363,16 +363,24 @@ class Factorisation {
 
 }  // namespace
 
+ProductCode BestProductCode() {
+#if defined(__x86_64__) && defined(__GNUC__)
+  if (__builtin_cpu_supports("avx512f")) return ProductCode::kAvx512;
+  if (__builtin_cpu_supports("avx2")) return ProductCode::kAvx2;
+#endif
+  return ProductCode::kPlain;
+}
+
 template <class Scalar>
 bool FactorSupernodes(const SupernodalPattern& pattern, const Eigen::SparseMatrix<Scalar>& lower,
-                      Scalar* values) {
-  return Factorisation<Scalar>(pattern, lower, values).Run();
+                      Scalar* values, ProductCode code) {
+  return Factorisation<Scalar>(pattern, lower, values, code).Run();
 }
 
 template bool FactorSupernodes(const SupernodalPattern&, const Eigen::SparseMatrix<double>&,
-                               double*);
+                               double*, ProductCode);
 template bool FactorSupernodes(const SupernodalPattern&,
                                const Eigen::SparseMatrix<std::complex<double>>&,
-                               std::complex<double>*);
+                               std::complex<double>*, ProductCode);
 
 }  // namespace arap

@@ -20,12 +20,16 @@ struct SupernodalPattern {
   std::span<const int> order;  // row k of the factor is row order[k] of the matrix
 };
 
+// The machine codes of the products; all give the same bytes.
+enum class ProductCode { kPlain, kAvx2, kAvx512 };
+// The fastest of this processor.
+ProductCode BestProductCode();
+
 // Writes the blocks of L of P A Pᵀ = L Lᴴ to `values`, where A has the lower triangle `lower` and a pattern inside
 // the analysed one; above the diagonals of the blocks stands nothing of use. Returns whether A is positive definite;
-// if not, the numbers are of no use. Its bytes depend on the kind of processor, as those of BLAS do, and on nothing else. Scalar is double or
-// std::complex<double>. Throws std::bad_alloc.
+// if not, the numbers are of no use. Scalar is double or std::complex<double>. Throws std::bad_alloc.
 template <class Scalar>
 bool FactorSupernodes(const SupernodalPattern& pattern, const Eigen::SparseMatrix<Scalar>& lower,
-                      Scalar* values);
+                      Scalar* values, ProductCode code = BestProductCode());
 
 }  // namespace arap

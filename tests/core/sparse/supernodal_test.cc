@@ -4,6 +4,7 @@
 
 #include <complex>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -123,6 +124,36 @@ TYPED_TEST(SupernodalTest, GivesTheSameBytesAgain) {
     const auto x = *(*factor)->Solve(b, 1, workspace);
     if (round == 0) first.assign(x.begin(), x.end());
     for (std::size_t i = 0; i < x.size(); ++i) ASSERT_EQ(x[i], first[i]);
+  }
+}
+
+// One block, dense.
+template <class Scalar>
+std::vector<Scalar> FactoredBy(ProductCode code, const Eigen::SparseMatrix<Scalar>& lower) {
+  const auto n = static_cast<int>(lower.rows());
+  std::vector<int> all(static_cast<std::size_t>(n));
+  std::iota(all.begin(), all.end(), 0);
+  const int first[] = {0, n}, rows_begin[] = {0, n}, values_begin[] = {0, n * n};
+  std::vector<Scalar> values(all.size() * all.size());
+  EXPECT_TRUE(FactorSupernodes<Scalar>({first, rows_begin, all, values_begin, all}, lower,
+                                       values.data(), code));
+  for (int c = 0; c < n; ++c) {
+    for (int r = 0; r < c; ++r) values[static_cast<std::size_t>(c * n + r)] = Scalar(0);
+  }
+  return values;
+}
+
+TYPED_TEST(SupernodalTest, EveryMachineCodeGivesTheSameBytes) {
+  const auto best = BestProductCode();
+  if (best == ProductCode::kPlain) GTEST_SKIP() << "this processor has the plain code only";
+  for (const int n : {5, 31, 150}) {
+    SCOPED_TRACE(n);
+    const auto lower = Lower<TypeParam>(Chain<TypeParam>({n}, 0, 14));
+    const auto plain = FactoredBy(ProductCode::kPlain, lower);
+    EXPECT_EQ(FactoredBy(ProductCode::kAvx2, lower), plain);
+    if (best == ProductCode::kAvx512) {
+      EXPECT_EQ(FactoredBy(ProductCode::kAvx512, lower), plain);
+    }
   }
 }
 
