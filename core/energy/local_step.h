@@ -9,6 +9,16 @@
 
 namespace arap {
 
+// A shape as two arrays (#V each), for work whose unknowns lie so. Views: valid as long as the arrays.
+struct ConstShapeView {
+  const double* x;
+  const double* y;
+};
+struct ShapeView {
+  double* x;
+  double* y;
+};
+
 // Below this part of its own size a cell's similarity has no direction: its targets fell into one
 // point.
 inline constexpr double kNoDirection = 1e-13;

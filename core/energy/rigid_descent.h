@@ -17,16 +17,6 @@
 
 namespace arap {
 
-// A shape as two arrays (#V each). Views: valid as long as the arrays.
-struct ConstShapeView {
-  const double* x;
-  const double* y;
-};
-struct ShapeView {
-  double* x;
-  double* y;
-};
-
 // One object per job. Not thread-safe. Plain and wide machine code give the same bytes.
 class RigidDescent {
  public:
