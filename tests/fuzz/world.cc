@@ -99,7 +99,7 @@ World& World::Get() {
 
 World::World()
     : engine_(SmallLimits(), {1, 1, 1}, clock_, Memory()),
-      services_(rpc::MakeServices(engine_, identity_)) {
+      services_(rpc::MakeServices(engine_, identity_, true)) {
   spdlog::set_level(spdlog::level::off);
   google::protobuf::SetLogHandler(nullptr);
   Make();

@@ -114,19 +114,19 @@ std::string TextOf(const PlanFlags& flags, const Plan& plan, const QueueTimes& t
                  {"update", Scaled(plan.update.core_seconds, "s"), "of a core"},
                  {"", Scaled(plan.update.bytes_out, "B"), "to the client"}});
   text += "\n";
-  text += Table(
-      {{"all", "want", "servers", "of each is used"},
-       {"cores",
-        fmt::format("{} updates/s, {} a core", Scaled(plan.updates, ""),
-                    Scaled(plan.updates_per_core, "")),
-        fmt::format("{:.1f}", plan.for_cores), Percent(plan.core_use)},
-       {"memory", Scaled(puppets.count * plan.memory.session, "B"),
-        fmt::format("{:.1f}", plan.for_memory), Percent(plan.memory_use)},
-       {"network", Scaled(8 * plan.bytes_out, "bit/s"), fmt::format("{:.1f}", plan.for_network),
-        Percent(plan.network_use)},
-       {"store",
-        fmt::format("{}, {} writes/s", Scaled(plan.store_bytes, "B"), Scaled(plan.store_writes, "")),
-        "", ""}});
+  text += Table({{"all", "want", "servers", "of each is used"},
+                 {"cores",
+                  fmt::format("{} updates/s, {} a core", Scaled(plan.updates, ""),
+                              Scaled(plan.updates_per_core, "")),
+                  fmt::format("{:.1f}", plan.for_cores), Percent(plan.core_use)},
+                 {"memory", Scaled(puppets.count * plan.memory.session, "B"),
+                  fmt::format("{:.1f}", plan.for_memory), Percent(plan.memory_use)},
+                 {"network", Scaled(8 * plan.bytes_out, "bit/s"),
+                  fmt::format("{:.1f}", plan.for_network), Percent(plan.network_use)},
+                 {"store",
+                  fmt::format("{}, {} writes/s", Scaled(plan.store_bytes, "B"),
+                              Scaled(plan.store_writes, "")),
+                  "", ""}});
   auto out = std::back_inserter(text);
   if (!std::isfinite(plan.servers)) {
     fmt::format_to(out,

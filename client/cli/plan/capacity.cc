@@ -96,8 +96,8 @@ Plan MakePlan(const Puppets& puppets, const Machine& machine, double servers) {
     plan.for_memory = std::min(plan.for_memory, own);
 
   std::array<std::pair<double, Scarce>, 3> bounds{{{plan.for_cores, Scarce::kCores},
-                                                  {plan.for_memory, Scarce::kMemory},
-                                                  {plan.for_network, Scarce::kNetwork}}};
+                                                   {plan.for_memory, Scarce::kMemory},
+                                                   {plan.for_network, Scarce::kNetwork}}};
   std::stable_sort(bounds.begin(), bounds.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   plan.bound = bounds[0].second;
