@@ -7,7 +7,7 @@
 #include <new>
 #include <utility>
 
-#include <sys/mman.h>
+#include "core/base/large_pages.h"
 
 namespace arap {
 namespace {
@@ -43,16 +43,17 @@ double* PutInverse(const Scalar* block, std::size_t stride, std::size_t width, d
   return out;
 }
 
-// Not set to 0: memory that is not written yet is not there yet. What many pages would hold is asked for in large ones:
-// reading it in order stops at the end of each.
+// On a cache line, and not set to 0: memory that is not written yet is not there yet. What many pages would hold is
+// asked for in large ones: reading it in order stops at the end of each. A factor is read in every frame, so that
+// larger ones are worth what large pages take.
 double* AllocateNumbers(std::size_t count) {
-  constexpr std::size_t kLine = 64, kLargePage = std::size_t{2} << 20u, kMany = 2 * kLargePage;
+  constexpr std::size_t kLine = 64, kLargePage = std::size_t{2} << 20u, kMost = 32 * kLargePage;
   const std::size_t bytes = count * sizeof(double);
-  const std::size_t page = bytes < kMany ? kLine : kLargePage;
+  const std::size_t page = bytes < 2 * kLargePage ? kLine : kLargePage;
   const std::size_t size = (bytes + page - 1) / page * page;
   void* memory = std::aligned_alloc(page, std::max(size, kLine));
   if (memory == nullptr) throw std::bad_alloc();
-  if (page == kLargePage) madvise(memory, size, MADV_HUGEPAGE);  // a wish: nothing depends on it
+  if (page == kLargePage) PreferLargePages(memory, size, kMost);
   return static_cast<double*>(memory);
 }
 
