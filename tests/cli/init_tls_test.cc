@@ -71,7 +71,7 @@ TEST_F(InitTls, AServerTakesThemAndClientsComeInByThem) {
 
   ASSERT_NO_FATAL_FAILURE(Start(false));
   EXPECT_EQ(Ask("localhost", {}).code, 0);
-  EXPECT_EQ(Ask("127.0.0.1", {"--tls-ca", file("server.crt")}).code, 6) << "no authority";
+  EXPECT_EQ(Ask("127.0.0.1", {"--tls-ca", file("alice.crt")}).code, 6) << "who did not issue it";
   EXPECT_EQ(Ask("127.0.0.1", {"--tls-ca", file("ca.crt"), "--tls-server-name", "other"}).code, 6);
 
   ASSERT_NO_FATAL_FAILURE(Start(true));
