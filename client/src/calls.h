@@ -91,18 +91,18 @@ Status MakeCall(const Method& method, const CallOptions& call, const std::string
                 const std::function<grpc::Status(const Attempt&)>& attempt,
                 const bool* heard = nullptr);
 
-// One unary call: `function` is the stub's, of those that take a reactor.
+// One unary call: `function` is of `stub`, what a stub's async() answers, and takes a reactor.
 template <class Stub, class Request, class Response>
-Result<Response> Call(Stub& stub,
-                      void (Stub::async::*function)(grpc::ClientContext*, const Request*, Response*,
-                                                    grpc::ClientUnaryReactor*),
+Result<Response> Call(Stub* stub,
+                      void (Stub::*function)(grpc::ClientContext*, const Request*, Response*,
+                                             grpc::ClientUnaryReactor*),
                       const Request& request, const Method& method, const CallOptions& call,
                       const std::string& session_id = {}) {
   Response response;
   const auto once = [&](const Attempt& attempt) {
     const auto made = UnaryCall<Response>::Make();
     attempt.Prepare(made->context());
-    (stub.async()->*function)(&made->context(), &request, &made->response(), made.get());
+    (stub->*function)(&made->context(), &request, &made->response(), made.get());
     made->StartCall();
     const grpc::Status status = made->Wait(attempt.deadline, attempt.stop);
     if (status.ok()) response = std::move(made->response());

@@ -40,7 +40,7 @@ Status Client::WaitReady(std::chrono::milliseconds timeout) const {
 }
 
 Result<ServerInfo> Client::GetServerInfo(const CallOptions& call) const {
-  return Call(channel_->server(), &v1::ServerService::Stub::async::GetServerInfo,
+  return Call(channel_->server().async(), &v1::ServerService::Stub::async::GetServerInfo,
               v1::GetServerInfoRequest(), kLookUp, call)
       .map([](const v1::GetServerInfoResponse& response) { return FromWire(response); });
 }
@@ -54,7 +54,8 @@ Result<Session> Client::CreateSession(const SessionOptions& options,
   if (options.ttl) convert::ToWire(*options.ttl, request.mutable_ttl());
   request.mutable_labels()->insert(options.labels.begin(), options.labels.end());
   TRY(const v1::CreateSessionResponse response,
-      Call(channel_->deformation(), &Stub::async::CreateSession, request, kLookUp, call, id));
+      Call(channel_->deformation().async(), &Stub::async::CreateSession, request, kLookUp, call,
+           id));
   CHECK_OK(FromWire(response.session(), id));
   return Session(channel_, id);
 }
@@ -67,7 +68,7 @@ Result<SessionPage> Client::ListSessions(std::uint32_t page_size, const std::str
   request.set_page_size(page_size);
   request.set_page_token(page_token);
   TRY(const v1::ListSessionsResponse response,
-      Call(channel_->deformation(), &Stub::async::ListSessions, request, kLookUp, call));
+      Call(channel_->deformation().async(), &Stub::async::ListSessions, request, kLookUp, call));
   return FromWire(response, page_size, page_token);
 }
 
@@ -80,7 +81,7 @@ Result<OutlineMesh> Client::MeshOutline(std::span<const Outline> outlines,
   }
   convert::ToWire(options, &request);
   TRY(const v1::MeshOutlineResponse response,
-      Call(channel_->deformation(), &Stub::async::MeshOutline, request, kWork, call));
+      Call(channel_->deformation().async(), &Stub::async::MeshOutline, request, kWork, call));
   return FromWire(response);
 }
 
@@ -90,8 +91,8 @@ Result<FlatSurface> Client::Flatten(const SurfaceMesh& mesh, const FlattenQuery&
   internal::ToWire(mesh, query, &request);
   request.set_max_response_bytes(internal::kMaxMessageBytes);
   TRY(const v1::FlattenResponse response,
-      Call(channel_->flattening(), &v1::FlatteningService::Stub::async::Flatten, request, kWork,
-           call));
+      Call(channel_->flattening().async(), &v1::FlatteningService::Stub::async::Flatten, request,
+           kWork, call));
   return FromWire(response, mesh, query);
 }
 

@@ -126,7 +126,7 @@ Result<FlattenJob> Session::SubmitFlatten(const std::string& job_id, const Surfa
   auto request = OfJob<v1::SubmitFlattenRequest>(id_, job_id);
   internal::ToWire(mesh, query, request.mutable_flatten());
   TRY(const v1::SubmitFlattenResponse response,
-      Call(channel_->flattening(), &Stub::async::SubmitFlatten, request, kWork, call, id_));
+      Call(channel_->flattening().async(), &Stub::async::SubmitFlatten, request, kWork, call, id_));
   return JobOf(response.job(), job_id);
 }
 
@@ -178,7 +178,7 @@ Result<FlatSurface> Session::GetResult(const std::string& job_id, const SurfaceM
 Result<FlattenJob> Session::CancelJob(const std::string& job_id, const CallOptions& call) const {
   const auto request = OfJob<v1::CancelJobRequest>(id_, job_id);
   TRY(const v1::CancelJobResponse response,
-      Call(channel_->flattening(), &Stub::async::CancelJob, request, kLookUp, call, id_));
+      Call(channel_->flattening().async(), &Stub::async::CancelJob, request, kLookUp, call, id_));
   TRY(auto job, JobOf(response.job(), job_id));
   if (!job.ended()) {
     return Fail(BadAnswer("The server answered that a job goes on which was cancelled."));

@@ -73,13 +73,14 @@ Session::Session(std::shared_ptr<internal::Channel> channel, std::string id)
 Result<SessionInfo> Session::Get(const CallOptions& call) const {
   const auto request = Of<v1::GetSessionRequest>(id_);
   TRY(const v1::GetSessionResponse response,
-      Call(channel_->deformation(), &Stub::async::GetSession, request, kLookUp, call, id_));
+      Call(channel_->deformation().async(), &Stub::async::GetSession, request, kLookUp, call, id_));
   return FromWire(response.session(), id_);
 }
 
 Status Session::Delete(const CallOptions& call) const {
   const auto request = Of<v1::DeleteSessionRequest>(id_);
-  return Call(channel_->deformation(), &Stub::async::DeleteSession, request, kRemove, call, id_)
+  return Call(channel_->deformation().async(), &Stub::async::DeleteSession, request, kRemove, call,
+              id_)
       .map([](const v1::DeleteSessionResponse&) {});
 }
 
@@ -91,7 +92,7 @@ Result<Registration> Session::RegisterMesh(const PlanarMesh& mesh, const EnergyO
   ToWire(energy, request.mutable_energy());
   if (repairs != RepairOptions{}) ToWire(repairs, request.mutable_repair());
   TRY(const v1::RegisterMeshResponse response,
-      Call(channel_->deformation(), &Stub::async::RegisterMesh, request, kWork, call, id_));
+      Call(channel_->deformation().async(), &Stub::async::RegisterMesh, request, kWork, call, id_));
   TRY(auto info, FromWire(response.mesh(), mesh_id, &mesh));
   sizes_->Know(info.id, {mesh.vertices.size(), mesh.triangles.size()});
   return Registration{std::move(info), response.shared(), convert::Micros(response.queue_time()),
@@ -101,7 +102,7 @@ Result<Registration> Session::RegisterMesh(const PlanarMesh& mesh, const EnergyO
 Result<MeshInfo> Session::GetMesh(const std::string& mesh_id, const CallOptions& call) const {
   const auto request = OfMesh<v1::GetMeshRequest>(id_, mesh_id);
   TRY(const v1::GetMeshResponse response,
-      Call(channel_->deformation(), &Stub::async::GetMesh, request, kLookUp, call, id_));
+      Call(channel_->deformation().async(), &Stub::async::GetMesh, request, kLookUp, call, id_));
   TRY(auto info, FromWire(response.mesh(), mesh_id, nullptr));
   sizes_->Know(mesh_id, {info.report.vertices, info.report.triangles});
   return info;
@@ -109,7 +110,8 @@ Result<MeshInfo> Session::GetMesh(const std::string& mesh_id, const CallOptions&
 
 Status Session::DeleteMesh(const std::string& mesh_id, const CallOptions& call) const {
   const auto request = OfMesh<v1::DeleteMeshRequest>(id_, mesh_id);
-  CHECK_OK(Call(channel_->deformation(), &Stub::async::DeleteMesh, request, kRemove, call, id_));
+  CHECK_OK(
+      Call(channel_->deformation().async(), &Stub::async::DeleteMesh, request, kRemove, call, id_));
   sizes_->Forget(mesh_id);
   return {};
 }
@@ -122,7 +124,8 @@ Result<Compilation> Session::CompileHandles(const std::string& handle_set_id,
   request.set_mesh_id(mesh_id);
   for (const Handle& handle : handles) ToWire(handle, request.add_handles());
   TRY(const v1::CompileHandlesResponse response,
-      Call(channel_->deformation(), &Stub::async::CompileHandles, request, kWork, call, id_));
+      Call(channel_->deformation().async(), &Stub::async::CompileHandles, request, kWork, call,
+           id_));
   return Compiled(response, {handle_set_id, mesh_id, handles, true}, *sizes_);
 }
 
@@ -134,7 +137,8 @@ Result<Compilation> Session::EditHandles(const std::string& handle_set_id,
   request.mutable_remove()->Add(remove.begin(), remove.end());
   for (const Handle& handle : add) ToWire(handle, request.add_add());
   TRY(const v1::EditHandlesResponse response,
-      Call(channel_->deformation(), &Stub::async::EditHandles, request, kChange, call, id_));
+      Call(channel_->deformation().async(), &Stub::async::EditHandles, request, kChange, call,
+           id_));
   return Compiled(response, {handle_set_id, {}, add}, *sizes_);
 }
 
@@ -142,14 +146,15 @@ Result<HandleSetInfo> Session::GetHandleSet(const std::string& handle_set_id,
                                             const CallOptions& call) const {
   const auto request = OfSet<v1::GetHandleSetRequest>(id_, handle_set_id);
   TRY(const v1::GetHandleSetResponse response,
-      Call(channel_->deformation(), &Stub::async::GetHandleSet, request, kLookUp, call, id_));
+      Call(channel_->deformation().async(), &Stub::async::GetHandleSet, request, kLookUp, call,
+           id_));
   return SetOf(response.handle_set(), {handle_set_id, {}}, *sizes_);
 }
 
 Status Session::DeleteHandleSet(const std::string& handle_set_id, const CallOptions& call) const {
   const auto request = OfSet<v1::DeleteHandleSetRequest>(id_, handle_set_id);
-  CHECK_OK(
-      Call(channel_->deformation(), &Stub::async::DeleteHandleSet, request, kRemove, call, id_));
+  CHECK_OK(Call(channel_->deformation().async(), &Stub::async::DeleteHandleSet, request, kRemove,
+                call, id_));
   sizes_->ForgetSet(handle_set_id);
   return {};
 }
@@ -162,7 +167,7 @@ Result<Shape> Session::Deform(const std::string& handle_set_id,
   internal::ToWire(options, request.mutable_options());
   convert::AppendPoints(pick_points, request.mutable_pick_points());
   TRY(const v1::DeformResponse response,
-      Call(channel_->deformation(), &Stub::async::Deform, request, kWork, call, id_));
+      Call(channel_->deformation().async(), &Stub::async::Deform, request, kWork, call, id_));
   const auto mesh = sizes_->OfSet(handle_set_id);
   TRY(auto vertices, internal::VerticesFromWire(response.vertices(), options, mesh));
   return FromWire(response.shape(), {options, mesh, pick_points.size(), std::move(vertices)});

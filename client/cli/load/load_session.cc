@@ -39,15 +39,17 @@ Status FurnishSession(LoadSession& session, const LoadScene& scene,
   const std::string id = client::internal::RandomHex(kSessionIdBytes);
   v1::CreateSessionRequest create;
   create.set_session_id(id);
-  TRY(const v1::CreateSessionResponse created, Call(stub, &DeformationStub::async::CreateSession,
-                                                    create, client::internal::kLookUp, call, id));
+  TRY(const v1::CreateSessionResponse created,
+      Call(stub.async(), &DeformationStub::async::CreateSession, create, client::internal::kLookUp,
+           call, id));
   CHECK_OK(client::internal::FromWire(created.session(), id));
   session.id = id;
 
   v1::RegisterMeshRequest with_id = mesh;
   with_id.set_session_id(id);
-  TRY(const v1::RegisterMeshResponse registered, Call(stub, &DeformationStub::async::RegisterMesh,
-                                                      with_id, client::internal::kWork, call, id));
+  TRY(const v1::RegisterMeshResponse registered,
+      Call(stub.async(), &DeformationStub::async::RegisterMesh, with_id, client::internal::kWork,
+           call, id));
   TRY(const client::MeshInfo info, client::internal::FromWire(registered.mesh(), {}, &scene.mesh));
   session.mesh_id = info.id;
 
@@ -56,8 +58,9 @@ Status FurnishSession(LoadSession& session, const LoadScene& scene,
   compile.set_handle_set_id(kLoadSet);
   compile.set_mesh_id(info.id);
   for (const Handle& handle : scene.handles) convert::ToWire(handle, compile.add_handles());
-  TRY(const v1::CompileHandlesResponse compiled, Call(stub, &DeformationStub::async::CompileHandles,
-                                                      compile, client::internal::kWork, call, id));
+  TRY(const v1::CompileHandlesResponse compiled,
+      Call(stub.async(), &DeformationStub::async::CompileHandles, compile, client::internal::kWork,
+           call, id));
   return client::internal::FromWire(
              compiled.handle_set(), {kLoadSet, info.id, scene.handles, true},
              client::internal::MeshSize{scene.mesh.vertices.size(), scene.mesh.triangles.size()})
@@ -68,7 +71,7 @@ void DeleteSession(const LoadSession& session, const client::CallOptions& call) 
   v1::DeleteSessionRequest request;
   request.set_session_id(session.id);
   const auto channel = session.connection->Get().first;
-  (void)Call(channel->deformation(), &DeformationStub::async::DeleteSession, request,
+  (void)Call(channel->deformation().async(), &DeformationStub::async::DeleteSession, request,
              client::internal::kRemove, call, session.id);
 }
 

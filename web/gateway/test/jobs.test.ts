@@ -7,16 +7,10 @@ import type { SentEvent } from "./support/events.js";
 import { ask, form, json, onStage, problem } from "./support/gateway.js";
 import type { Json } from "./support/gateway.js";
 import { Document } from "./support/openapi.js";
-import { grid, plain } from "./support/puppet.js";
+import { grid, long, plain } from "./support/puppet.js";
 
 const timeout = 120_000;
 const bowl = { mesh: plain(grid(6, 6, (x, y) => (x * x + y * y) / 40)) };
-// Takes a minute and more, unless somebody ends it.
-const long = {
-  mesh: plain(grid(150, 150, (x, y) => Math.sin(x / 9) * Math.cos(y / 7) * 9)),
-  refine: 1000,
-  refineStop: 0,
-};
 
 async function watched(url: string): Promise<SentEvent[]> {
   const response = await ask(`${url}/events`);

@@ -16,7 +16,7 @@ import { eventsOf } from "./support/events.js";
 import { stlBytes } from "./support/files.js";
 import { ask, form, hold, json, problem } from "./support/gateway.js";
 import { Page } from "./support/page.js";
-import { grid, move, plain, puppet } from "./support/puppet.js";
+import { long, move, puppet } from "./support/puppet.js";
 import { tokenFile } from "./support/tokens.js";
 
 const nginx = "/usr/sbin/nginx";
@@ -154,9 +154,7 @@ test("behind nginx as docs/web.md has it", { timeout, skip }, async () => {
         assert.equal(read.mesh.triangles.length, 90_000);
 
         // Events come while the job goes on, and its address leads through the proxy.
-        const mesh = plain(grid(150, 150, (x, y) => Math.sin(x / 9) * Math.cos(y / 7) * 9));
-        const body = { mesh, refine: 1000, refineStop: 0 };
-        const submitted = await ask(`${url}/v1/jobs`, { body, headers: ann });
+        const submitted = await ask(`${url}/v1/jobs`, { body: long, headers: ann });
         assert.equal(submitted.status, 202);
         const at = `${url}${submitted.headers.get("location")}`;
         const states: string[] = [];

@@ -1,4 +1,4 @@
-// A session with a sheet of triangles and two handles on it.
+// A session with a sheet of triangles and two handles on it, and a surface that takes long to flatten.
 import { farthest, grid } from "../../../client/test/support/meshes.js";
 import { json } from "./gateway.js";
 import { Page } from "./page.js";
@@ -8,6 +8,14 @@ export const plain = (mesh: { vertices: Float64Array; triangles: Uint32Array }) 
   vertices: Array.from(mesh.vertices),
   triangles: Array.from(mesh.triangles),
 });
+
+/** To flatten this takes ten seconds and more, unless somebody ends it: spikes that no layout agrees with. */
+export const long = {
+  mesh: plain(grid(300, 300, (x, y) => Math.sin(x / 12) * Math.cos(y / 10) * 300)),
+  refine: 1000,
+  refineStop: 0,
+  injective: true,
+};
 
 /** The id of a session with the mesh m of columns × columns vertices and the set h of l and r. */
 export async function puppet(
