@@ -23,6 +23,7 @@ namespace arap::client::internal {
 // Thread-safe.
 class LeavableCall {
  public:
+  virtual ~LeavableCall() = default;
   LeavableCall(const LeavableCall&) = delete;
   LeavableCall& operator=(const LeavableCall&) = delete;
 
@@ -40,7 +41,6 @@ class LeavableCall {
   static constexpr std::chrono::milliseconds kMoment{200};
 
   LeavableCall() = default;
-  virtual ~LeavableCall() = default;
 
   // Allows gRPC to end the call as far as that is ours.
   virtual void LetGo() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {}
