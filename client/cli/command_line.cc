@@ -58,6 +58,7 @@ bool AsksForHelp(std::span<const std::string> words) {
 
 std::vector<std::string> NamesOf(const std::vector<const CLI::App*>& commands) {
   std::vector<std::string> names;
+  names.reserve(commands.size());
   for (const CLI::App* one : commands) names.push_back(one->get_name());
   return names;
 }

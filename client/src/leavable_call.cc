@@ -14,8 +14,8 @@ struct Ended {
 
 Ended& TheEnded() {
   // Without an end of its own: gRPC's threads may come late.
-  static auto* const ended = new Ended;
-  return *ended;
+  static auto* const kEnded = new Ended;
+  return *kEnded;
 }
 
 }  // namespace

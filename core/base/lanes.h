@@ -12,6 +12,7 @@ namespace arap {
 // They lie anywhere a double may.
 template <std::size_t kLanes>
 struct LanesOf {
+  // NOLINTNEXTLINE(modernize-use-using): attributes that depend on a parameter
   typedef double Type __attribute__((vector_size(kLanes * sizeof(double)), aligned(8), may_alias));
 };
 template <std::size_t kLanes>
@@ -23,6 +24,7 @@ using Pair = Lanes<2>;
 ARAP_WIDE_BODY const Pair& PairAt(const double* points, std::size_t i) {
   return *reinterpret_cast<const Pair*>(points + 2 * i);
 }
+// NOLINTNEXTLINE(readability-non-const-parameter)
 ARAP_WIDE_BODY Pair& PairAt(double* points, std::size_t i) {
   return *reinterpret_cast<Pair*>(points + 2 * i);
 }

@@ -121,7 +121,7 @@ double RigidDescent::Pull(ConstShapeView v, ShapeView pull, std::size_t vertices
   const FaceTable& table = cells_.faces;
   const auto kernel = wide_ ? FacePullsWide : FacePulls;
   const Turns turns{face_x_.data(), face_y_.data(), face_inverse_.data()};
-  PullColumns p;
+  PullColumns p;  // NOLINT(*-member-init): written before it is read
   double energy = 0;
   for (std::size_t at = 0; at < table.size(); at += kKernelBlock) {
     const std::size_t count = std::min(kKernelBlock, table.size() - at);

@@ -7,10 +7,12 @@ namespace arap {
 namespace {
 
 // One row of x.
+// NOLINTBEGIN(readability-non-const-parameter)
 template <std::size_t kLanes>
 ARAP_WIDE_BODY Lanes<kLanes>& At(double* x, std::size_t row) {
   return *reinterpret_cast<Lanes<kLanes>*>(x + row * kLanes);
 }
+// NOLINTEND(readability-non-const-parameter)
 
 // Whether all of `count` numbers are 0.
 ARAP_WIDE_BODY bool IsZero(const double* x, std::size_t count) {
@@ -357,8 +359,8 @@ std::span<const PackedKernels> SolveKernelsHere() {
       {Real2, Real4, Complex1, Complex2},
       {Real2Wide, Real4Wide, Complex1Wide, Complex2Wide},
       {Real2Widest, Real4Widest, Complex1Widest, Complex2Widest}};
-  static const std::size_t have = HasWide() ? HasWidest() ? 3 : 2 : 1;
-  return std::span(kAll).first(have);
+  static const std::size_t kHave = HasWide() ? HasWidest() ? 3 : 2 : 1;
+  return std::span(kAll).first(kHave);
 }
 
 const PackedKernels& SolveKernels() { return SolveKernelsHere().back(); }

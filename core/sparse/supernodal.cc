@@ -5,19 +5,13 @@
 #include <complex>
 #include <vector>
 
+#include "core/base/lanes.h"
+
 namespace arap {
 namespace {
 
 template <class Scalar>
 constexpr std::size_t kNumbers = sizeof(Scalar) / sizeof(double);
-
-// kLanes numbers that are added and multiplied together. They lie anywhere a double may.
-template <std::size_t kLanes>
-struct LanesOf {
-  typedef double Type __attribute__((vector_size(kLanes * sizeof(double)), aligned(8), may_alias));
-};
-template <std::size_t kLanes>
-using Lanes = typename LanesOf<kLanes>::Type;
 
 #define ARAP_INLINE [[gnu::always_inline]] inline
 
@@ -138,7 +132,6 @@ constexpr std::size_t kOneByOne = 4;
 
 int Int(std::size_t n) { return static_cast<int>(n); }
 
-using Pair = Lanes<2>;
 Pair& Place(std::complex<double>* x) { return *reinterpret_cast<Pair*>(x); }
 Pair Place(const std::complex<double>* x) { return *reinterpret_cast<const Pair*>(x); }
 

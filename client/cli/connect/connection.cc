@@ -63,7 +63,7 @@ std::string FindServer() {
 // The token of the file, else of the environment, else none.
 Result<std::string> ReadToken(const std::string& path) {
   if (!path.empty()) return ReadTokenFile(path);
-  const char* const token = std::getenv(kTokenVariable);
+  const char* const token = std::getenv(kTokenVariable);  // NOLINT(concurrency-mt-unsafe)
   return std::string(token == nullptr ? "" : token);
 }
 

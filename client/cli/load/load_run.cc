@@ -180,7 +180,8 @@ class LoadCourse {
   // The warm-up of a phase in all, and how long it is with that.
   double WarmUpOf(const LoadPhase& phase) const {
     const bool steps = request_.profile && request_.warm_up > 0;
-    return request_.warm_up * (steps ? static_cast<double>(phase.profile->pieces().size() / 2) : 1);
+    const std::size_t times = steps ? phase.profile->pieces().size() / 2 : 1;
+    return request_.warm_up * static_cast<double>(times);
   }
   double LengthOf(const LoadPhase& phase) const { return WarmUpOf(phase) + length_; }
   // Whether the second that ends so many seconds after the beginning counts.

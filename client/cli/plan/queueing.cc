@@ -35,8 +35,8 @@ class UpdateTimes {
       now_ -= std::log(1 - DrawPart(input_.seed, Draw::kArrival, 0, number)) / input_.rate;
       return now_;
     }
-    const auto round = static_cast<double>(number / phases_.size());
-    return round * period_ + phases_[number % phases_.size()];
+    const auto round = number / phases_.size();
+    return static_cast<double>(round) * period_ + phases_[number % phases_.size()];
   }
 
  private:

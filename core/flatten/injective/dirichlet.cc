@@ -137,7 +137,7 @@ double DirichletPasses::Pull(ConstShapeView v, ShapeView pull, std::size_t verti
   std::fill_n(pull.x, vertices, 0.0);
   std::fill_n(pull.y, vertices, 0.0);
   const auto kernel = wide_ ? PullKernelWide : PullKernel;
-  PullBlock p;
+  PullBlock p;  // NOLINT(*-member-init): written before it is read
   double energy = 0;
   for (std::size_t at = 0; at < table_.size(); at += kKernelBlock) {
     const std::size_t count = std::min(kKernelBlock, table_.size() - at);
@@ -158,7 +158,7 @@ double DirichletPasses::Pull(ConstShapeView v, ShapeView pull, std::size_t verti
 
 DirichletPasses::Ahead DirichletPasses::Look(ConstShapeView v, ConstShapeView d) const {
   const auto kernel = wide_ ? LookKernelWide : LookKernel;
-  AheadBlock block;
+  AheadBlock block;  // NOLINT(*-member-init): likewise
   Ahead ahead{kNever, 0};
   for (std::size_t at = 0; at < table_.size(); at += kKernelBlock) {
     const std::size_t count = std::min(kKernelBlock, table_.size() - at);

@@ -88,10 +88,10 @@ class Newton {
  private:
   // A triangle of the energy. Corner k's part in α is w[k], in β conj(w[k]).
   struct Element {
-    std::array<std::uint32_t, 3> corner;
-    std::array<Complex, 3> w;
-    double area;                // share of the whole
-    std::array<int, 21> slots;  // where its 6×6 lower triangle goes among the Hessian's values
+    std::array<std::uint32_t, 3> corner{};
+    std::array<Complex, 3> w{};
+    double area = 0;              // share of the whole
+    std::array<int, 21> slots{};  // where its 6×6 lower triangle goes among the Hessian's values
   };
 
   Newton() = default;
