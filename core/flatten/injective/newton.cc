@@ -17,7 +17,7 @@ constexpr double kFirstShift = 1e-11, kLastShift = 1e-2, kMoreShift = 1e3;
 
 struct Map {
   Complex alpha, beta;
-  double a, b;
+  double a = 0, b = 0;
 };
 
 Map MapOf(const std::array<std::uint32_t, 3>& corner, const std::array<Complex, 3>& w,
