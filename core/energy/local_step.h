@@ -34,12 +34,35 @@ void AddRotatedEdges(const Cells& cells, std::span<const Complex> shape,
 double RigidEnergy(const Cells& cells, std::span<const Complex> shape);
 
 // The arithmetic on a hundred hinges or faces at a time, written so that the compiler can take
-// several at once. For this folder only.
+// several at once. For the energies: this folder and core/flatten/injective.
 //
 // There is one body per kernel and a few machine codes of it, chosen once by what the processor can
 // do. Every lane does the same operations in the same order: all give the same bytes.
 inline constexpr std::size_t kKernelBlock = 128;
 using KernelColumn = std::array<double, kKernelBlock>;
+
+// What a block of triangles pulls at its second and third corners; the first is pulled against both.
+struct CornerPulls {
+  KernelColumn x1, y1, x2, y2, energy;
+};
+
+// Adds the pulls of triangles begin… of a table with their corners v0, v1, v2 to `pull` (#V), and
+// answers `energy` with theirs added, one after the other.
+template <class Table>
+double AddPulls(const Table& table, std::size_t begin, std::size_t count, const CornerPulls& p,
+                double energy, ShapeView pull) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto i = table.v0[begin + k], j = table.v1[begin + k], l = table.v2[begin + k];
+    energy += p.energy[k];
+    pull.x[i] -= p.x1[k] + p.x2[k];
+    pull.y[i] -= p.y1[k] + p.y2[k];
+    pull.x[j] += p.x1[k];
+    pull.y[j] += p.y1[k];
+    pull.x[l] += p.x2[k];
+    pull.y[l] += p.y2[k];
+  }
+  return energy;
+}
 
 // Of cells begin…, where a shape is pairs of numbers and there are at most kKernelBlock cells.
 struct LocalKernels {

@@ -15,13 +15,8 @@ struct ConstTurns {
   const double *x, *y, *inverse;
 };
 
-// What a block of faces pulls at its second and third corners; the first is pulled against both.
-struct PullColumns {
-  KernelColumn x1, y1, x2, y2, energy;
-};
-
 ARAP_WIDE_BODY void FacePulls(const FaceTable& table, std::size_t begin, std::size_t count,
-                              ConstShapeView v, Turns turns, PullColumns& out) {
+                              ConstShapeView v, Turns turns, CornerPulls& out) {
 #pragma GCC ivdep
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t f = begin + k;
@@ -81,7 +76,7 @@ ARAP_WIDE_BODY void FaceBends(const FaceTable& table, std::size_t begin, std::si
 
 ARAP_WIDE(FacePulls, FacePullsWide,
           (const FaceTable& table, std::size_t begin, std::size_t count, ConstShapeView v,
-           Turns turns, PullColumns& out),
+           Turns turns, CornerPulls& out),
           (table, begin, count, v, turns, out))
 ARAP_WIDE(FaceBends, FaceBendsWide,
           (const FaceTable& table, std::size_t begin, std::size_t count, ConstShapeView d,
@@ -121,21 +116,12 @@ double RigidDescent::Pull(ConstShapeView v, ShapeView pull, std::size_t vertices
   const FaceTable& table = cells_.faces;
   const auto kernel = wide_ ? FacePullsWide : FacePulls;
   const Turns turns{face_x_.data(), face_y_.data(), face_inverse_.data()};
-  PullColumns p;  // NOLINT(*-member-init): written before it is read
+  CornerPulls p;  // NOLINT(*-member-init): written before it is read
   double energy = 0;
   for (std::size_t at = 0; at < table.size(); at += kKernelBlock) {
     const std::size_t count = std::min(kKernelBlock, table.size() - at);
     kernel(table, at, count, v, turns, p);
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::int32_t i = table.v0[at + k], j = table.v1[at + k], l = table.v2[at + k];
-      energy += p.energy[k];
-      pull.x[i] -= p.x1[k] + p.x2[k];
-      pull.y[i] -= p.y1[k] + p.y2[k];
-      pull.x[j] += p.x1[k];
-      pull.y[j] += p.y1[k];
-      pull.x[l] += p.x2[k];
-      pull.y[l] += p.y2[k];
-    }
+    energy = AddPulls(table, at, count, p, energy, pull);
   }
   return energy + PullStars(v, pull);
 }

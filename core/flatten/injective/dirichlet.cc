@@ -13,11 +13,7 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-// What a block of triangles pulls at its second and third corners; the first is pulled against
-// both.
-struct PullBlock {
-  KernelColumn x1, y1, x2, y2, energy;
-};
+// Of a block of triangles: how far each may go before it is flat, and what it adds to the curvature.
 struct AheadBlock {
   KernelColumn limit, curvature;
 };
@@ -25,7 +21,7 @@ struct AheadBlock {
 // |α|², |β|² and the determinant are those of newton.h; the determinant is taken from the areas, so
 // that thin triangles lose nothing.
 ARAP_WIDE_BODY void PullKernel(const DirichletTable& table, std::size_t begin, std::size_t count,
-                               ConstShapeView v, PullBlock& out) {
+                               ConstShapeView v, CornerPulls& out) {
 #pragma GCC ivdep
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t f = begin + k;
@@ -103,7 +99,7 @@ ARAP_WIDE_BODY void LookKernel(const DirichletTable& table, std::size_t begin, s
 
 ARAP_WIDE(PullKernel, PullKernelWide,
           (const DirichletTable& table, std::size_t begin, std::size_t count, ConstShapeView v,
-           PullBlock& out),
+           CornerPulls& out),
           (table, begin, count, v, out))
 ARAP_WIDE(LookKernel, LookKernelWide,
           (const DirichletTable& table, std::size_t begin, std::size_t count, ConstShapeView v,
@@ -137,21 +133,12 @@ double DirichletPasses::Pull(ConstShapeView v, ShapeView pull, std::size_t verti
   std::fill_n(pull.x, vertices, 0.0);
   std::fill_n(pull.y, vertices, 0.0);
   const auto kernel = wide_ ? PullKernelWide : PullKernel;
-  PullBlock p;  // NOLINT(*-member-init): written before it is read
+  CornerPulls p;  // NOLINT(*-member-init): written before it is read
   double energy = 0;
   for (std::size_t at = 0; at < table_.size(); at += kKernelBlock) {
     const std::size_t count = std::min(kKernelBlock, table_.size() - at);
     kernel(table_, at, count, v, p);
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::uint32_t i = table_.v0[at + k], j = table_.v1[at + k], l = table_.v2[at + k];
-      energy += p.energy[k];
-      pull.x[i] -= p.x1[k] + p.x2[k];
-      pull.y[i] -= p.y1[k] + p.y2[k];
-      pull.x[j] += p.x1[k];
-      pull.y[j] += p.y1[k];
-      pull.x[l] += p.x2[k];
-      pull.y[l] += p.y2[k];
-    }
+    energy = AddPulls(table_, at, count, p, energy, pull);
   }
   return energy;
 }
