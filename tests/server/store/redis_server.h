@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <sys/types.h>
-
+#include "tests/server/store/local_server.h"
 #include "tests/server/store/temp_dir.h"
 
 namespace arap::testing {
@@ -22,32 +21,23 @@ class RedisServer {
   explicit RedisServer(const std::string& password = "")
       : RedisServer(RedisSetup{password, {}, {}}) {}
   explicit RedisServer(RedisSetup setup);
-  ~RedisServer();
-  RedisServer(const RedisServer&) = delete;
-  RedisServer& operator=(const RedisServer&) = delete;
 
   // "redis://127.0.0.1:PORT", with the password if there is one.
   std::string Url() const;
 
-  int port() const { return port_; }
+  int port() const { return server_.port(); }
 
-  void Kill();     // SIGKILL, and waits for the end
-  void Restart();  // on the same port, with what is on disk
-  void Freeze();   // SIGSTOP
-  void Thaw();     // SIGCONT
+  void Kill() { server_.Kill(); }
+  void Restart() { server_.Restart(); }  // with what is on disk
+  void Freeze() { server_.Freeze(); }
+  void Thaw() { server_.Thaw(); }
 
  private:
-  bool Start();
-  std::vector<std::string> CommandLine() const;
-  bool Answers() const;
+  std::vector<std::string> CommandLine(int port) const;
 
   TempDir dir_;
   const RedisSetup setup_;
-  int port_ = 0;
-  pid_t process_ = -1;
+  LocalServer server_;  // last: it uses all of the above
 };
-
-// One that nobody listens on just now.
-int FreePort();
 
 }  // namespace arap::testing
