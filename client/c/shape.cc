@@ -1,4 +1,6 @@
 // Shapes and tracks for C.
+#include <algorithm>
+#include <cstdint>
 #include <utility>
 
 #include "client/c/objects.h"
@@ -86,6 +88,9 @@ Result<client::ShapeOptions> ShapeOptionsOf(const arap_shape_options* options, c
   ours.boundary_only = given.boundary_only != 0;
   TRY(const auto subset, ArrayOf(given.vertex_subset, given.vertex_subset_count, "vertex_subset"));
   ours.vertex_subset.assign(subset.begin(), subset.end());
+  if (given.measure_every != 0) {
+    ours.deform.measure_every = static_cast<std::uint32_t>(std::max(given.measure_every, 0));
+  }
   return ours;
 }
 
@@ -105,6 +110,9 @@ arap_quality arap_shape_quality(const arap_shape* shape) {
   const client::ShapeQuality& quality = shape->shape.quality;
   return {quality.flipped, quality.worst_handle_error, quality.energy, quality.mean_stretch,
           quality.max_stretch};
+}
+int32_t arap_shape_is_measured(const arap_shape* shape) {
+  return shape->shape.quality.measured ? 1 : 0;
 }
 const char* arap_shape_worst_handle(const arap_shape* shape) {
   return shape->shape.worst_handle_id.c_str();

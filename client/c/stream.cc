@@ -105,6 +105,16 @@ arap_error* arap_stream_move_and_pick(arap_stream* stream, uint64_t sequence,
   });
 }
 
+arap_error* arap_stream_measure(arap_stream* stream, uint64_t sequence) {
+  return Guard([&]() -> Status {
+    CHECK_OK(Need(stream, "stream"));
+    client::HandleUpdate update;
+    update.sequence = sequence;
+    update.measure = true;
+    return stream->stream.Send(update);
+  });
+}
+
 arap_error* arap_stream_edit(arap_stream* stream, uint64_t sequence, const char* const* remove,
                              size_t remove_count, const arap_handle* add, size_t add_count) {
   return Guard([&]() -> Status {

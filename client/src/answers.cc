@@ -60,6 +60,16 @@ Status CheckPick(const v1::PickResult& pick, std::optional<MeshSize> mesh) {
                       "a pick");
 }
 
+// Of a shape that says that it was not measured.
+Status CheckUnmeasured(const v1::Shape& shape, bool measured) {
+  if (measured) return Bad("The server answered a shape without the measures that were asked for.");
+  if (shape.flipped_count() == 0 && shape.flipped_ids().empty() && shape.energy() == 0 &&
+      shape.mean_stretch() == 0 && shape.max_stretch() == 0) {
+    return {};
+  }
+  return Bad("The server answered measures of a shape that it says it has not measured.");
+}
+
 }  // namespace
 
 Fault BadAnswer(std::string sentence) { return {FaultKind::kInternal, std::move(sentence)}; }
@@ -106,6 +116,7 @@ Result<Shape> FromWire(const v1::Shape& shape, const ShapeQuestion& asked) {
   if (out.positions.empty()) return Bad("The server answered an empty shape.");
   CHECK_OK(CheckFinite(out.positions, "the position of vertex"));
   out.quality = convert::QualityFromWire(shape);
+  if (!out.quality.measured) CHECK_OK(CheckUnmeasured(shape, asked.measured));
   CHECK_OK(CheckNumbers({out.quality.worst_handle_error, out.quality.energy,
                          out.quality.mean_stretch, out.quality.max_stretch},
                         "the quality of a shape"));

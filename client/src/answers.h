@@ -69,6 +69,7 @@ struct ShapeQuestion {
   std::optional<std::size_t> picks = 0;
   // Whose positions; empty: of all. What VerticesFromWire has answered.
   std::vector<std::uint32_t> vertices = {};
+  bool measured = true;  // whether it has to be
 };
 Result<Shape> FromWire(const v1::Shape& shape, const ShapeQuestion& asked);
 void ToWire(const ShapeOptions& options, v1::DeformOptions* out);

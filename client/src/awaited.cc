@@ -13,7 +13,8 @@ namespace arap::client::internal {
 void AwaitedAnswers::Sent(const v1::StreamDeformRequest& request, Time now) {
   const std::uint64_t sequence = SequenceOf(request);
   const auto picks = static_cast<std::size_t>(request.update().pick_points_size() / 2);
-  awaited_.push_back({sequence, sequence, picks, now});
+  const bool measured = request.has_edit() || request.update().measure();
+  awaited_.push_back({sequence, sequence, {picks, measured}, now});
   if (!every_ && awaited_.size() > kMostApart) Shorten();
 }
 
@@ -26,7 +27,7 @@ void AwaitedAnswers::Restart(std::span<const v1::StreamDeformRequest> messages, 
 void AwaitedAnswers::Shorten() {
   const auto end = awaited_.begin() + static_cast<std::ptrdiff_t>(awaited_.size() / 2);
   Awaited range = awaited_.front();
-  range.picks = std::nullopt;
+  range.asked = {std::nullopt, false};
   for (auto at = awaited_.begin(); at != end; ++at) {
     range.first = std::min(range.first, at->first);
     range.last = std::max(range.last, at->last);
@@ -35,7 +36,7 @@ void AwaitedAnswers::Shorten() {
   awaited_.push_front(range);
 }
 
-Result<std::optional<std::size_t>> AwaitedAnswers::Take(std::uint64_t sequence) {
+Result<AwaitedAnswers::Asked> AwaitedAnswers::Take(std::uint64_t sequence) {
   const auto is_it = [&](const Awaited& awaited) {
     return awaited.first <= sequence && sequence <= awaited.last;
   };
@@ -45,11 +46,13 @@ Result<std::optional<std::size_t>> AwaitedAnswers::Take(std::uint64_t sequence) 
     return Fail(BadAnswer(
         fmt::format("The server answered the sequence {}, for which it was not asked.", sequence)));
   }
-  const std::optional<std::size_t> picks = found->picks;
+  Asked asked = found->asked;
+  asked.measured |= std::any_of(awaited_.begin(), found,
+                                [](const Awaited& replaced) { return replaced.asked.measured; });
   // More of a range may be answered yet.
   const bool single = found->first == found->last;
   awaited_.erase(awaited_.begin(), single ? std::next(found) : found);
-  return picks;
+  return asked;
 }
 
 std::optional<AwaitedAnswers::Time> AwaitedAnswers::oldest() const {

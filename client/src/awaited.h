@@ -34,9 +34,14 @@ class AwaitedAnswers {
   // A new call begins, on which these are said first.
   void Restart(std::span<const v1::StreamDeformRequest> messages, Time now);
 
-  // The answer to this sequence came: for how many picks were asked, or nothing when that is not
-  // known any more. kInternal when none of that sequence is due.
-  Result<std::optional<std::size_t>> Take(std::uint64_t sequence);
+  struct Asked {
+    std::optional<std::size_t> picks;  // nothing when that is not known any more
+    // For an edit, or an update that asks for it; or in whose place the answer comes, such a one.
+    bool measured = false;
+  };
+  // The answer to this sequence came: what was asked of it. kInternal when none of that sequence is
+  // due.
+  Result<Asked> Take(std::uint64_t sequence);
 
   // Since when the oldest waits.
   std::optional<Time> oldest() const;
@@ -44,7 +49,7 @@ class AwaitedAnswers {
  private:
   struct Awaited {
     std::uint64_t first = 0, last = 0;  // the same for a single one
-    std::optional<std::size_t> picks;
+    Asked asked;
     Time since;
   };
 

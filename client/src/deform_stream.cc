@@ -41,6 +41,7 @@ Status DeformStream::Send(const HandleUpdate& update) {
   for (const HandleTarget& target : update.targets) ToWire(target, out.add_targets());
   AppendPoints(update.positions, out.mutable_positions());
   AppendPoints(update.pick_points, out.mutable_pick_points());
+  out.set_measure(update.measure);
   return impl_->Send(std::move(request));
 }
 

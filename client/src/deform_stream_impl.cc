@@ -205,7 +205,11 @@ Result<std::optional<StreamEvent>> DeformStream::Impl::EventOf(
 Result<std::optional<StreamEvent>> DeformStream::Impl::ShapeOf(const v1::Shape& message) {
   {
     const MutexLock lock(&mutex_);
-    TRY(asked_.picks, awaited_.Take(message.sequence()));
+    TRY(const auto asked, awaited_.Take(message.sequence()));
+    const std::uint32_t every = options_.shape.deform.measure_every;
+    asked_.picks = asked.picks;
+    asked_.measured = asked.measured || (every > 0 && unmeasured_ + 1 >= every);
+    unmeasured_ = message.unmeasured() && every > 0 ? unmeasured_ + 1 : 0;
     if (Known(message.sequence(), true)) return std::optional<StreamEvent>();
   }
   TRY(Shape shape, FromWire(message, asked_));
@@ -244,6 +248,7 @@ Result<HandleSetInfo> DeformStream::Impl::OpenCall(bool* lost) {
       CHECK_OK(TakeVertices(
           internal::VerticesFromWire(response.opened().vertices(), options_.shape, mesh)));
       sizes_->KnowSet(info.id, info.mesh_id);
+      unmeasured_ = std::max(options_.shape.deform.measure_every, 1u) - 1;
       return info;
     }
     if (!response.has_pong()) {

@@ -90,6 +90,7 @@ class DeformStream::Impl {
   std::shared_ptr<internal::Channel> channel_;
   const std::shared_ptr<internal::KnownSizes> sizes_;
   internal::ShapeQuestion asked_;  // its mesh once it is known
+  std::uint32_t unmeasured_ = 0;   // shapes since the last that was measured, of this call
   std::optional<Trouble> trouble_;
 
   Mutex mutex_;

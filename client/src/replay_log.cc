@@ -59,10 +59,13 @@ void ReplayLog::Fold() {
   std::vector<v1::StreamDeformRequest> folded;
   for (auto at = pending_.begin(); at != pending_.end();) {
     Pose pose;
+    bool measure = false;
     auto next = std::next(at);
     for (; !at->has_edit() && next != pending_.end() && !next->has_edit(); at = next++) {
       pose.Add(at->update());
+      measure |= at->update().measure();
     }
+    if (measure) at->mutable_update()->set_measure(true);
     pose.Say(folded);
     folded.push_back(std::move(*at));
     at = next;

@@ -170,7 +170,8 @@ Result<Shape> Session::Deform(const std::string& handle_set_id,
       Call(channel_->deformation().async(), &Stub::async::Deform, request, kWork, call, id_));
   const auto mesh = sizes_->OfSet(handle_set_id);
   TRY(auto vertices, internal::VerticesFromWire(response.vertices(), options, mesh));
-  return FromWire(response.shape(), {options, mesh, pick_points.size(), std::move(vertices)});
+  return FromWire(response.shape(), {options, mesh, pick_points.size(), std::move(vertices),
+                                     options.deform.measure_every > 0});
 }
 
 }  // namespace arap::client

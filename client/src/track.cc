@@ -30,6 +30,8 @@ Result<Shape> FrameOf(const v1::DeformTrackResponse& response, internal::ShapeQu
   if (frame == 0) {
     TRY(asked.vertices, internal::VerticesFromWire(response.vertices(), asked.options, asked.mesh));
   }
+  const std::uint32_t every = asked.options.deform.measure_every;
+  asked.measured = every > 0 && frame % every == 0;
   return internal::FromWire(shape, asked);
 }
 

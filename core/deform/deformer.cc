@@ -37,9 +37,10 @@ class Frame {
   // force. Fault: that of a back-substitution.
   Status Rigid(std::span<const Complex> solution, SolverScratch& scratch);
 
-  // Writes the shape to `positions` (#V, units of the mesh) and measures it. kNumerical when
-  // anything is not finite; `positions` is scratch then.
-  Result<ShapeQuality> Finish(std::span<const Target> targets, std::vector<Complex>& positions);
+  // Writes the shape to `positions` (#V, units of the mesh) and measures it, or its handles alone.
+  // kNumerical when anything is not finite; `positions` is scratch then.
+  Result<ShapeQuality> Finish(std::span<const Target> targets, bool measured,
+                              std::vector<Complex>& positions);
 
  private:
   bool IsActive(const VertexRun& run) const {
@@ -48,8 +49,9 @@ class Frame {
   void FitBase();
   void StartFromBase(bool rigid);
   bool Place(std::vector<Complex>& positions);
-  ShapeQuality Measure(std::span<const Target> targets,
-                       const std::vector<Complex>& positions) const;
+  void MeasureTriangles(const std::vector<Complex>& positions, ShapeQuality& quality) const;
+  void MeasureHandles(std::span<const Target> targets, const std::vector<Complex>& positions,
+                      ShapeQuality& quality) const;
 
   const CompiledHandlesParts& set_;
   const RegisteredMeshParts& mesh_;
@@ -94,13 +96,16 @@ Status Frame::Rigid(std::span<const Complex> solution, SolverScratch& scratch) {
   return set_.solver->AddRigid(solution, miss_, shape_, scratch);
 }
 
-Result<ShapeQuality> Frame::Finish(std::span<const Target> targets,
+Result<ShapeQuality> Frame::Finish(std::span<const Target> targets, bool measured,
                                    std::vector<Complex>& positions) {
   if (!Place(positions)) {
     return Fail(FaultKind::kNumerical,
                 "The shape is not finite: the targets are too far away for this mesh.");
   }
-  const ShapeQuality quality = Measure(targets, positions);
+  ShapeQuality quality;
+  quality.measured = measured;
+  if (measured) MeasureTriangles(positions, quality);
+  MeasureHandles(targets, positions, quality);
   if (!std::isfinite(quality.energy) || !std::isfinite(quality.worst_handle_error) ||
       !std::isfinite(quality.mean_stretch)) {
     return Fail(FaultKind::kNumerical, "A measure of the shape is not finite.");
@@ -175,14 +180,16 @@ bool Frame::Place(std::vector<Complex>& positions) {
   return finite;
 }
 
-ShapeQuality Frame::Measure(std::span<const Target> given,
-                            const std::vector<Complex>& positions) const {
-  ShapeQuality quality;
+void Frame::MeasureTriangles(const std::vector<Complex>& positions, ShapeQuality& quality) const {
   const auto stretch = mesh_.stretch.Measure(mesh_.mesh, positions, mesh_.report.diagonal);
   quality.flipped = stretch.flipped;
   quality.mean_stretch = stretch.mean;
   quality.max_stretch = stretch.max;
   quality.energy = RigidEnergy(mesh_.cells, shape_);
+}
+
+void Frame::MeasureHandles(std::span<const Target> given, const std::vector<Complex>& positions,
+                           ShapeQuality& quality) const {
   for (const Row& row : set_.rows) {
     Complex p = 0;
     for (std::size_t k = 0; k < 3; ++k) p += row.weight[k] * positions[row.vertex[k]];
@@ -194,7 +201,6 @@ ShapeQuality Frame::Measure(std::span<const Target> given,
       quality.worst_handle = row.handle;
     }
   }
-  return quality;
 }
 
 Status CheckOptions(const DeformOptions& options) {
@@ -239,10 +245,10 @@ class Deformer::Scratch {
     set_.solver->Prepare(solver_);
   }
 
-  // Fills qualities[i] and positions[i] for every given[i]; at most `lanes` of them. The first
-  // fault ends it and leaves all positions alone.
+  // Fills qualities[i] and positions[i] for every given[i], frame `first` + i of a track; at most
+  // `lanes` of them. The first fault ends it and leaves all positions alone.
   Status Update(std::span<const std::span<const Target>> given, const DeformOptions& options,
-                std::span<ShapeQuality> qualities, const CancelToken& cancel) {
+                std::span<ShapeQuality> qualities, const CancelToken& cancel, std::size_t first) {
     CHECK_OK(CheckOptions(options));
     for (std::size_t i = 0; i < given.size(); ++i) CHECK_OK(frames_[i].Begin(given[i], solver_));
     const bool turned = options.mode == DeformMode::kRigid;
@@ -251,7 +257,8 @@ class Deformer::Scratch {
       CHECK_OK(RigidStep(turned, given.size()));
     }
     for (std::size_t i = 0; i < given.size(); ++i) {
-      TRY(qualities[i], frames_[i].Finish(given[i], next_[i]));
+      const bool measured = options.measure_every > 0 && (first + i) % options.measure_every == 0;
+      TRY(qualities[i], frames_[i].Finish(given[i], measured, next_[i]));
     }
     for (std::size_t i = 0; i < given.size(); ++i) positions[i].swap(next_[i]);
     return {};
@@ -294,18 +301,18 @@ Deformer& Deformer::operator=(Deformer&&) noexcept = default;
 Result<ShapeQuality> Deformer::Update(std::span<const Target> targets, const DeformOptions& options,
                                       const CancelToken& cancel) {
   ShapeQuality quality;
-  CHECK_OK(scratch_->Update({&targets, 1}, options, {&quality, 1}, cancel));
+  CHECK_OK(scratch_->Update({&targets, 1}, options, {&quality, 1}, cancel, 0));
   return quality;
 }
 
 Status Deformer::UpdateMany(std::span<const std::span<const Target>> frames,
                             const DeformOptions& options, std::span<ShapeQuality> qualities,
-                            const CancelToken& cancel) {
+                            const CancelToken& cancel, std::size_t first) {
   if (frames.size() > lanes() || qualities.size() < frames.size()) {
     return Fail(FaultKind::kInternal,
                 fmt::format("There are {} frames for {} lanes.", frames.size(), lanes()));
   }
-  return scratch_->Update(frames, options, qualities, cancel);
+  return scratch_->Update(frames, options, qualities, cancel, first);
 }
 
 std::size_t Deformer::lanes() const { return scratch_->positions.size(); }

@@ -185,12 +185,14 @@ Result<DeformOptions> FromWire(const v1::DeformOptions& options, std::uint32_t m
                     .Detail("limit", max_refine));
   }
   out.refine = static_cast<int>(options.refine());
+  if (options.has_measure_every()) out.measure_every = options.measure_every();
   return out;
 }
 
 void ToWire(const DeformOptions& options, v1::DeformOptions* out) {
   out->set_mode(WireOf(kModes, options.mode));
   out->set_refine(static_cast<std::uint32_t>(options.refine));
+  if (options.measure_every != 1) out->set_measure_every(options.measure_every);
 }
 
 Result<std::vector<Complex>> PicksFromWire(const google::protobuf::RepeatedField<double>& numbers) {
@@ -236,8 +238,10 @@ void ToWire(const std::optional<Pick>& pick, v1::PickResult* out) {
 
 ShapeQuality QualityFromWire(const v1::Shape& shape) {
   ShapeQuality quality;
-  quality.flipped = shape.flipped_count();
   quality.worst_handle_error = shape.worst_handle_error();
+  quality.measured = !shape.unmeasured();
+  if (!quality.measured) return quality;
+  quality.flipped = shape.flipped_count();
   quality.energy = shape.energy();
   quality.mean_stretch = shape.mean_stretch();
   quality.max_stretch = shape.max_stretch();
@@ -245,8 +249,10 @@ ShapeQuality QualityFromWire(const v1::Shape& shape) {
 }
 
 void ToWire(const ShapeQuality& quality, v1::Shape* out) {
-  out->set_flipped_count(quality.flipped);
   out->set_worst_handle_error(quality.worst_handle_error);
+  out->set_unmeasured(!quality.measured);
+  if (!quality.measured) return;
+  out->set_flipped_count(quality.flipped);
   out->set_energy(quality.energy);
   out->set_mean_stretch(quality.mean_stretch);
   out->set_max_stretch(quality.max_stretch);

@@ -156,7 +156,7 @@ Status ToWire(const app::LiveSet& set, const ShapeQuality& quality, const ShapeO
   ToWire(quality, out);
   const auto& handles = deformer.handles()->handles();
   if (!handles.empty()) out->set_worst_handle_id(handles[quality.worst_handle].handle.id);
-  if (options.flipped_ids) {
+  if (options.flipped_ids && quality.measured) {
     const std::vector<std::uint32_t> flipped = deformer.FlippedTriangles(lane);
     out->mutable_flipped_ids()->Assign(flipped.begin(), flipped.end());
   }

@@ -79,7 +79,7 @@ struct ShapeOptions {
   DeformOptions deform;
   convert::PositionFormat format;
   std::vector<std::uint32_t> vertices;  // whose positions, in this order; none stand for all
-  bool flipped_ids = false;
+  bool flipped_ids = false;             // of shapes that are measured
 
   // What it holds beside itself.
   std::size_t bytes() const { return vertices.size() * sizeof(vertices.front()); }

@@ -47,7 +47,7 @@ app::StreamMessage View(const v1::StreamDeformRequest& request, const Limits& li
       out.payload = app::StreamMessage::Update{
           update.sequence(), FromWire(update.targets()),
           std::span(update.positions().data(), static_cast<std::size_t>(update.positions_size())),
-          PicksFromWire(update.pick_points())};
+          PicksFromWire(update.pick_points()), update.measure()};
       break;
     }
     case Request::kEdit: {
@@ -268,7 +268,7 @@ class StreamReactor final
     const MutexLock lock(&mutex_);
     if (opened) {
       policy_.Opened(
-          std::move(set), open_.delivery() != v1::DELIVERY_EVERY,
+          std::move(set), open_.delivery() != v1::DELIVERY_EVERY, options_.deform.measure_every,
           [session = session_] { return session->Touch(); }, std::move(answer));
     } else {
       policy_.Failed(opened.error());
@@ -309,7 +309,9 @@ class StreamReactor final
     auto answer = std::make_unique<Answer>();
     const CancelToken cancel = CancelTokenOf(context_);
     const Status made = OrOutOfMemory([&]() -> Status {
-      TRY(const auto quality, live_->Move(job_.targets, options_.deform, engine_.metrics, cancel));
+      DeformOptions deform = options_.deform;
+      deform.measure_every = job_.measure ? 1 : 0;
+      TRY(const auto quality, live_->Move(job_.targets, deform, engine_.metrics, cancel));
       return ToWire(*live_, quality, options_, job_.picks, cancel, {queue_micros, working},
                     answer->message.mutable_shape());
     });

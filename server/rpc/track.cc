@@ -161,8 +161,8 @@ class TrackReactor final : public LongAnswer<v1::DeformTrackRequest, v1::DeformT
       TRY(targets[i], TargetsOf(first + i));
       views[i] = targets[i];
     }
-    auto moved =
-        live_->MoveMany(std::span(views).first(count), options_.deform, qualities, engine_.metrics);
+    auto moved = live_->MoveMany(std::span(views).first(count), options_.deform, qualities, first,
+                                 engine_.metrics);
     if (!moved) return Fail(AtFrame(std::move(moved.error()), first));
     std::vector<v1::DeformTrackResponse> responses(count);
     for (std::size_t i = 0; i < count; ++i) {

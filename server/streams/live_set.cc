@@ -92,9 +92,9 @@ Result<ShapeQuality> LiveSet::Move(std::span<const Target> targets, const Deform
 
 Status LiveSet::MoveMany(std::span<const std::span<const Target>> targets,
                          const DeformOptions& options, std::span<ShapeQuality> qualities,
-                         runtime::Metrics& metrics) {
+                         std::size_t first, runtime::Metrics& metrics) {
   const runtime::WallTimer working;
-  CHECK_OK(deformer_.UpdateMany(targets, options, qualities));
+  CHECK_OK(deformer_.UpdateMany(targets, options, qualities, {}, first));
   const double each = working.Micros() * 1e-6 / static_cast<double>(targets.size());
   for (std::size_t i = 0; i < targets.size(); ++i) metrics.Phase(runtime::Phase::kTrack, each);
   return {};
@@ -118,7 +118,9 @@ Result<EditedSet> LiveSet::Edited(const std::vector<std::string>& remove,
   const auto added =
       PosesOf(*before.mesh(), std::span(placed).subspan(kept), deformer_.positions());
   edited.targets.insert(edited.targets.end(), added.begin(), added.end());
-  TRY(edited.quality, edited.set.deformer_.Update(edited.targets, options, cancel));
+  DeformOptions measured = options;
+  measured.measure_every = 1;
+  TRY(edited.quality, edited.set.deformer_.Update(edited.targets, measured, cancel));
   metrics.Phase(runtime::Phase::kEdit, working.Micros() * 1e-6);
   return edited;
 }

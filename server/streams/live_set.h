@@ -38,13 +38,13 @@ class LiveSet {
   Result<ShapeQuality> Move(std::span<const Target> targets, const DeformOptions& options,
                             runtime::Metrics& metrics, const CancelToken& cancel);
 
-  // The same for several shapes at once, one per lane at most: frames of a track.
+  // The same for several shapes at once, one per lane at most: frames of a track, from `first` on.
   Status MoveMany(std::span<const std::span<const Target>> targets, const DeformOptions& options,
-                  std::span<ShapeQuality> qualities, runtime::Metrics& metrics);
+                  std::span<ShapeQuality> qualities, std::size_t first, runtime::Metrics& metrics);
 
   // The set after an edit, its shape computed. `targets` are the last ones of this set: handles
   // that stay keep theirs, an added one starts where the current shape has it. This set is not
-  // changed. Faults: those of EditEntry and of Deformer::Update.
+  // changed, and the shape is always measured. Faults: those of EditEntry and of Deformer::Update.
   Result<EditedSet> Edited(const std::vector<std::string>& remove, const std::vector<Handle>& add,
                            std::span<const Target> targets, const DeformOptions& options,
                            const Limits& limits, const CancelToken& cancel,

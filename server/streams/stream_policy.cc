@@ -171,6 +171,7 @@ bool StreamPolicy::TakeUpdate(StreamMessage::Update& update) {
   granted_ = false;
   set_.targets.swap(merged_);
   if (next_) ++replaced_;
+  measure_next_ |= update.measure;
   next_ = Accepted{update.sequence, *std::move(update.picks), {}};
   return true;
 }
@@ -233,6 +234,13 @@ Status StreamPolicy::Merge(const StreamMessage::Update& update) {
   return set_.handles->CheckHard(merged_);
 }
 
+bool StreamPolicy::Measures() {
+  const bool due = measure_every_ > 0 && unmeasured_ + 1 >= measure_every_;
+  const bool measures = std::exchange(measure_next_, false) || due || outbox_.replaces_measured();
+  unmeasured_ = measures || measure_every_ == 0 ? 0 : unmeasured_ + 1;
+  return measures;
+}
+
 std::optional<StreamJob> StreamPolicy::Begin() {
   if (work_ || !next_ || ending()) return std::nullopt;
   if (!outbox_.empty() && !(latest_ && outbox_.replaceable())) return std::nullopt;
@@ -243,6 +251,7 @@ std::optional<StreamJob> StreamPolicy::Begin() {
   job.seconds = pace_->frame_seconds() + PickSeconds(*set_.handles, job.picks.size());
   job.lane = LaneOf(job.seconds);
   job.waiting = next_->waiting;
+  job.measure = job_measured_ = Measures();
   job_targets_ = set_.targets;
   job.targets = job_targets_;
   job_replaced_ = std::exchange(replaced_, 0);
@@ -272,10 +281,12 @@ Status StreamPolicy::AdmitFrames(double frame_seconds) {
   return admit_.may_open(pace_->Share());
 }
 
-void StreamPolicy::Opened(LiveHandles set, bool latest, Touch touch,
+void StreamPolicy::Opened(LiveHandles set, bool latest, std::uint32_t measure_every, Touch touch,
                           std::unique_ptr<WireAnswer> answer) {
   set_ = std::move(set);
   latest_ = latest;
+  measure_every_ = measure_every;
+  measure_next_ = measure_every > 0;
   touch_ = std::move(touch);
   StreamAnswer opened;
   opened.message = std::move(answer);
@@ -286,12 +297,15 @@ void StreamPolicy::Opened(LiveHandles set, bool latest, Touch touch,
 void StreamPolicy::Moved(std::unique_ptr<WireAnswer> shape) {
   StreamAnswer answer = Shape(job_sequence_, std::move(shape));
   answer.replaced = std::exchange(job_replaced_, 0);
+  answer.measured = job_measured_;
   outbox_.PushUpdate(std::move(answer), latest_);
   work_.reset();
 }
 
 void StreamPolicy::Edited(LiveHandles set, std::unique_ptr<WireAnswer> shape) {
   set_ = std::move(set);
+  unmeasured_ = 0;
+  measure_next_ = false;
   outbox_.Push(Shape(job_sequence_, std::move(shape)));
   work_.reset();
 }
@@ -301,6 +315,7 @@ void StreamPolicy::Failed(Fault fault) {
     End(std::move(fault));
   } else {
     replaced_ += std::exchange(job_replaced_, 0);
+    if (work_ == StreamJob::Work::kUpdate) measure_next_ |= job_measured_;
     Refuse(job_sequence_, std::move(fault));
   }
   work_.reset();

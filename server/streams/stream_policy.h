@@ -21,6 +21,9 @@
 //     admitted with its first update and whenever it wakes up (admission.h). What is too much waits
 //     as long as answers are under way, and is refused when there are none.
 //   - What is expected to take long is a job.
+//   - Of the shapes of updates the first is measured, and every n-th after one that was, as the
+//     stream was opened; besides, whatever takes the place of an update that asks for it, or of a
+//     measured shape that waits. When a measured one fails the next is measured.
 //   - Updates and edits extend the life of the session; when that is over, the stream ends.
 //   - Nothing read for max_stream_idle ends the stream.
 //   - Once it ends nothing is taken or started. The job in work is waited for and what was computed
@@ -65,6 +68,7 @@ struct StreamAnswer {
   Kind kind = Kind::kOpened;
   std::uint64_t sequence = 0;           // kShape, kError: of the message that it answers
   std::uint64_t replaced = 0;           // kShape: updates that newer ones replaced
+  bool measured = true;                 // kShape
   std::unique_ptr<WireAnswer> message;  // kOpened, kShape
   std::optional<Fault> fault;           // kError
   std::uint64_t nonce = 0;              // kPong
@@ -81,6 +85,7 @@ class StreamOutbox {
   bool pong_waits() const { return pong_.has_value(); }
   // Whether the only answer that waits is the shape of an update, which a newer one may replace.
   bool replaceable() const { return answers_.size() == 1 && answers_.front().replaceable; }
+  bool replaces_measured() const { return replaceable() && answers_.front().answer.measured; }
 
   // Adds an answer behind the others.
   void Push(StreamAnswer answer) { answers_.push_back({std::move(answer), false}); }
@@ -135,6 +140,7 @@ struct StreamMessage {
     std::vector<NamedTarget> targets;    // any of the handles
     std::span<const double> positions;   // or all of them in the order of the set, x y x y…
     Result<std::vector<Complex>> picks;  // to be mapped back to rest
+    bool measure = false;                // the shape, in any case
   };
   struct Edit {
     std::uint64_t sequence = 0;
@@ -164,6 +170,7 @@ struct StreamJob {     // run this job, and tell how it ended; there is no other
   std::uint64_t sequence = 0;       // kUpdate, kEdit
   std::span<const Target> targets;  // kUpdate: to go to; kEdit: the last ones. Until the job ends.
   std::vector<Complex> picks;       // kUpdate
+  bool measure = true;              // kUpdate: the shape
   runtime::WallTimer waiting;       // since it was taken
 };
 struct StreamWrite {  // write this; no other write is under way
@@ -213,7 +220,8 @@ class StreamPolicy {
 
   // How the job ended. Every one ends with one of these.
   void NoRoom();  // its lane was full: it has not run
-  void Opened(LiveHandles set, bool latest, Touch touch, std::unique_ptr<WireAnswer> answer);
+  void Opened(LiveHandles set, bool latest, std::uint32_t measure_every, Touch touch,
+              std::unique_ptr<WireAnswer> answer);
   void Moved(std::unique_ptr<WireAnswer> shape);
   void Edited(LiveHandles set, std::unique_ptr<WireAnswer> shape);
   void Failed(Fault fault);  // an open ends the stream, the others are answered
@@ -245,6 +253,8 @@ class StreamPolicy {
   Status Grant();
   // The targets after the update, in merged_.
   Status Merge(const StreamMessage::Update& update);
+  // Whether the shape of the update that starts now is measured.
+  bool Measures();
   std::optional<StreamJob> Begin();
   std::optional<Status> Over() const;
 
@@ -270,8 +280,11 @@ class StreamPolicy {
 
   bool opened_ = false;  // an open was taken
   bool latest_ = true;
-  LiveHandles set_;             // the targets of the last update that was taken
-  std::vector<Target> merged_;  // see Merge
+  std::uint32_t measure_every_ = 1;  // 0: none
+  std::uint32_t unmeasured_ = 0;     // shapes since the last that was measured
+  bool measure_next_ = true;         // whatever measure_every_ says
+  LiveHandles set_;                  // the targets of the last update that was taken
+  std::vector<Target> merged_;       // see Merge
   std::optional<Accepted> next_;
   std::uint64_t replaced_ = 0;
 
@@ -279,6 +292,7 @@ class StreamPolicy {
   std::optional<StreamJob> start_;  // taken, to be started
   std::uint64_t job_sequence_ = 0;
   std::uint64_t job_replaced_ = 0;
+  bool job_measured_ = true;
   std::vector<Target> job_targets_;  // the running job's
 
   StreamOutbox outbox_;

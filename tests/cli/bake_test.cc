@@ -63,6 +63,26 @@ TEST_F(Bake, WritesAShapePerFrame) {
   EXPECT_THAT(Slurp(Path("b.svg")), HasSubstr("frame 119"));
 }
 
+TEST_F(Bake, SaysWhatWasNotMeasured) {
+  ASSERT_EQ(OnBear("bake", {"--out", Path("all.csv")}).code, 0);
+  const Outcome some =
+      OnBear("bake", {"--out", Path("some.csv"), "--measure-every", "50", "--json"});
+  ASSERT_EQ(some.code, 0) << some.err;
+  EXPECT_THAT(some.out, HasSubstr("\"frames_measured\": 3"));
+  EXPECT_THAT(some.out, HasSubstr("\"frames_with_flips\": 0"));
+  const Outcome none =
+      OnBear("bake", {"--out", Path("none.csv"), "--measure-every", "0", "--json"});
+  ASSERT_EQ(none.code, 0) << none.err;
+  EXPECT_THAT(none.out, HasSubstr("\"frames_measured\": 0"));
+  EXPECT_THAT(none.out, HasSubstr("\"frames_with_flips\": null"));
+  EXPECT_THAT(none.out, HasSubstr("\"max_stretch\": null"));
+  const Outcome text = OnBear("bake", {"--out", Path("none.csv"), "--measure-every", "0"});
+  EXPECT_THAT(text.out, HasSubstr("; flips not measured; largest stretch not measured"));
+  EXPECT_EQ(Slurp(Path("some.csv")), Slurp(Path("all.csv")));
+  EXPECT_EQ(Slurp(Path("none.csv")), Slurp(Path("all.csv")));
+  EXPECT_EQ(OnBear("bake", {"--out", Path("none.csv"), "--measure-every", "-1"}).code, 2);
+}
+
 TEST_F(Bake, EveryBasisModeAndHandleKind) {
   const std::vector<std::vector<std::string>> choices{
       {"--basis", "face", "--refine", "2"},

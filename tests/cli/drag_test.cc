@@ -145,6 +145,25 @@ TEST_F(Drag, BakeEditsBetweenItsFrames) {
   }
 }
 
+TEST_F(Drag, SaysWhatWasNotMeasured) {
+  const std::string track = FormatTrack(EditedTrack());
+  std::string shapes;
+  for (const auto& [every, measured] : {std::pair("1", 6), std::pair("2", 3), std::pair("0", 0)}) {
+    const Outcome outcome = OnGrid("drag", track,
+                                   {"--delivery", "every", "--out", Path("a.csv"), "--json",
+                                    Path("t.json"), "--measure-every", every});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const auto json = Json("t.json");
+    EXPECT_EQ(json["frames_measured"], measured) << every;
+    EXPECT_EQ(json["frames_with_flips"].is_null(), measured == 0);
+    EXPECT_EQ(json["most_flips"].is_null(), measured == 0);
+    EXPECT_GT(json["worst_handle_error"], 0);
+    EXPECT_EQ(outcome.out.find("flips not measured") != std::string::npos, measured == 0);
+    if (shapes.empty()) shapes = Slurp(Path("a.csv"));
+    EXPECT_EQ(Slurp(Path("a.csv")), shapes);
+  }
+}
+
 TEST_F(Drag, LatestEditsToo) {
   const Outcome outcome = OnGrid("drag", FormatTrack(EditedTrack()),
                                  {"--rate", "100000", "--json", Path("t.json"), "--pick", "5,-1"});

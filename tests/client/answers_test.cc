@@ -118,6 +118,7 @@ TEST_F(AnswersTest, ShapesFitTheMesh) {
   ExpectRefused("a quality of NaN", [](v1::Shape& shape) { shape.set_energy(kNan); });
   ExpectRefused("a strange name", [](v1::Shape& shape) { shape.set_worst_handle_id("\x1b[2J"); });
   ExpectRefused("ids that were not asked", [](v1::Shape& shape) { shape.add_flipped_ids(0); });
+  ExpectRefused("unmeasured", [](v1::Shape& shape) { shape.set_unmeasured(true); });
 }
 
 TEST_F(AnswersTest, PicksAreAsManyAsWereAskedAndOnTheMesh) {

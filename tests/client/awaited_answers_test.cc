@@ -26,9 +26,9 @@ TEST(AwaitedAnswers, OfEveryUpdateComeInTheirOrder) {
   awaited.Sent(Update(2), At(6));
   EXPECT_FALSE(awaited.Take(2));
   EXPECT_EQ(awaited.oldest(), At(5));
-  EXPECT_EQ(awaited.Take(1).value(), 3u);
+  EXPECT_EQ(awaited.Take(1).value().picks, 3u);
   EXPECT_EQ(awaited.oldest(), At(6));
-  EXPECT_EQ(awaited.Take(2).value(), 0u);
+  EXPECT_EQ(awaited.Take(2).value().picks, 0u);
   EXPECT_FALSE(awaited.Take(2)) << "once";
 }
 
@@ -53,11 +53,30 @@ TEST(AwaitedAnswers, AreFewAlsoWhenNobodyReads) {
   for (std::uint64_t i = 1; i <= kSent; ++i) awaited.Sent(Update(i, 1), At(0));
   const auto old = awaited.Take(1);
   ASSERT_TRUE(old);
-  EXPECT_FALSE(*old) << "how many picks is not known any more";
+  EXPECT_FALSE(old->picks) << "how many picks is not known any more";
   EXPECT_TRUE(awaited.Take(2));
-  EXPECT_EQ(awaited.Take(kSent).value(), 1u);
+  EXPECT_EQ(awaited.Take(kSent).value().picks, 1u);
   EXPECT_FALSE(awaited.Take(2));
   EXPECT_FALSE(awaited.oldest());
+}
+
+TEST(AwaitedAnswers, AreMeasuredWhereThatWasAskedOrTakesSuchAPlace) {
+  const auto asking = [](std::uint64_t sequence) {
+    v1::StreamDeformRequest request = Update(sequence);
+    request.mutable_update()->set_measure(true);
+    return request;
+  };
+  v1::StreamDeformRequest edit;
+  edit.mutable_edit()->set_sequence(6);
+  AwaitedAnswers awaited(false);
+  for (const auto& request : {Update(1), asking(2), asking(3), Update(4), Update(5), edit}) {
+    awaited.Sent(request, At(0));
+  }
+  EXPECT_FALSE(awaited.Take(1)->measured);
+  EXPECT_TRUE(awaited.Take(2)->measured);
+  EXPECT_TRUE(awaited.Take(4)->measured) << "in the place of 3";
+  EXPECT_FALSE(awaited.Take(5)->measured);
+  EXPECT_TRUE(awaited.Take(6)->measured) << "of an edit";
 }
 
 TEST(AwaitedAnswers, OfANewCallAreThoseThatAreSaidAgain) {
@@ -68,7 +87,7 @@ TEST(AwaitedAnswers, OfANewCallAreThoseThatAreSaidAgain) {
   awaited.Restart(again, At(9));
   EXPECT_EQ(awaited.oldest(), At(9));
   EXPECT_TRUE(awaited.Take(1));
-  EXPECT_EQ(awaited.Take(2).value(), 2u);
+  EXPECT_EQ(awaited.Take(2).value().picks, 2u);
 }
 
 }  // namespace

@@ -67,7 +67,13 @@ const char* CDrag(const char* address) {
   WELL(arap_deform(session, "set", targets, 3, &shaping, NULL, &shape));
   wrong = CheckMoved(shape);
   if (wrong != NULL) return wrong;
+  MUST(arap_shape_is_measured(shape) == 1);
   arap_shape_free(shape);
+  shaping.measure_every = -1;
+  WELL(arap_deform(session, "set", targets, 3, &shaping, NULL, &shape));
+  MUST(arap_shape_is_measured(shape) == 0);
+  arap_shape_free(shape);
+  shaping.measure_every = 2;
 
   /* Two of the vertices, in two bytes each. */
   const uint32_t some[] = {5, 0};
@@ -114,9 +120,18 @@ const char* CDrag(const char* address) {
   WELL(arap_stream_move_some(stream, 3, targets, 1));
   WELL(arap_stream_take(stream, &event));
   MUST(arap_event_kind(event) == ARAP_EVENT_SHAPE && arap_event_sequence(event) == 3);
-  wrong = CheckMoved(arap_event_shape(event));
-  if (wrong != NULL) return wrong;
+  MUST(arap_shape_is_measured(arap_event_shape(event)) == 0);
+  MUST(Near(arap_shape_quality(arap_event_shape(event)).worst_handle_error, 0));
   arap_event_free(event);
+  WELL(arap_stream_move_some(stream, 4, targets, 1));
+  WELL(arap_stream_measure(stream, 5));
+  for (int i = 0; i < 2; ++i) {
+    WELL(arap_stream_take(stream, &event));
+    wrong = CheckMoved(arap_event_shape(event));
+    if (wrong != NULL) return wrong;
+    MUST(arap_shape_is_measured(arap_event_shape(event)) == 1);
+    arap_event_free(event);
+  }
 
   WELL(arap_stream_close_sending(stream));
   for (int i = 0; i < 2; ++i) {
@@ -124,7 +139,7 @@ const char* CDrag(const char* address) {
     MUST(arap_event_kind(event) == ARAP_EVENT_END && arap_event_sequence(event) == 0);
     arap_event_free(event);
   }
-  REFUSED(arap_stream_move(stream, 4, all, 3), "PROTOCOL", "");
+  REFUSED(arap_stream_move(stream, 6, all, 3), "PROTOCOL", "");
   arap_stream_free(stream);
   WELL(arap_delete_session(session, NULL));
   arap_session_free(session);

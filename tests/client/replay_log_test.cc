@@ -135,6 +135,17 @@ TEST(ReplayLogTest, LatestMakesOneOfManyUpdatesWithoutAnAnswer) {
   EXPECT_THAT(Said(latest), ElementsAre("768 a=767 b=768"));
 }
 
+TEST(ReplayLogTest, WhatIsMadeOneAsksForMeasuresWhenOneOfThemDid) {
+  ReplayLog log(true);
+  for (std::uint64_t i = 1; i <= ReplayLog::kMostPending + 1; ++i) {
+    auto update = Move(i, "a", static_cast<double>(i));
+    update.mutable_update()->set_measure(i == 7);
+    EXPECT_TRUE(log.Sent(update));
+  }
+  ASSERT_LT(log.Messages().size(), 5u);
+  EXPECT_TRUE(log.Messages().back().update().measure());
+}
+
 TEST(ReplayLogTest, UpdatesBehindAnEditWithoutAnAnswerDoNotPileUp) {
   ReplayLog log(true);
   EXPECT_TRUE(log.Sent(Move(1, "a", 1)));

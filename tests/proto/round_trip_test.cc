@@ -146,12 +146,15 @@ TEST(RoundTrip, TrackFrames) {
 TEST(RoundTrip, DeformOptions) {
   for (const DeformMode mode :
        {DeformMode::kRigid, DeformMode::kSimilarity, DeformMode::kBaseline}) {
-    const DeformOptions options{mode, 7};
-    v1::DeformOptions out;
-    ToWire(options, &out);
-    EXPECT_EQ(FromWire(out, kMaxRefine), options);
-    EXPECT_EQ(FromWire(out, 6).error().field, "options.refine");
+    for (const std::uint32_t every : {0u, 1u, 12u}) {
+      const DeformOptions options{mode, 7, every};
+      v1::DeformOptions out;
+      ToWire(options, &out);
+      EXPECT_EQ(FromWire(out, kMaxRefine), options);
+      EXPECT_EQ(FromWire(out, 6).error().field, "options.refine");
+    }
   }
+  EXPECT_EQ(FromWire(v1::DeformOptions(), kMaxRefine), DeformOptions());
 }
 
 TEST(RoundTrip, QualitiesAndPicks) {
@@ -159,6 +162,16 @@ TEST(RoundTrip, QualitiesAndPicks) {
   v1::Shape shape;
   ToWire(quality, &shape);
   EXPECT_EQ(QualityFromWire(shape), quality);
+  EXPECT_FALSE(shape.unmeasured());
+
+  ShapeQuality unmeasured;
+  unmeasured.measured = false;
+  unmeasured.worst_handle_error = 0.5;
+  v1::Shape other;
+  ToWire(unmeasured, &other);
+  EXPECT_TRUE(other.unmeasured());
+  EXPECT_EQ(other.max_stretch(), 0) << "left out";
+  EXPECT_EQ(QualityFromWire(other), unmeasured);
 
   const Pick pick{4, {0.5, 0.25, 0.25}, {1, 2}};
   v1::PickResult hit, miss;

@@ -52,6 +52,7 @@ GOOD = shape()
     (shape(positions64=doubles(*range(6))), "another precision", {}),
     (shape(packed_positions=b"\0" * 24), "another precision", {}),
     (shape(energy=NAN), "not finite", {}),
+    (shape(unmeasured=True), "without the measures", {}),
     (shape(worst_handle_id="a b"), "no id", {}),
     (shape(flipped_ids=[0]), "not asked", {}),
     (shape(flipped_ids=[1]), "only 1", {"flipped_ids": True}),

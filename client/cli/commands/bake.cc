@@ -24,17 +24,15 @@ namespace {
 
 // What the frames amount to.
 struct Totals {
-  std::size_t frames = 0;
-  std::size_t frames_with_flips = 0;
+  Flips flips;
   double worst_handle_error = 0;
   double max_stretch = 1;
   double solve_micros = 0;
 
   void Add(const client::Shape& shape) {
-    ++frames;
-    if (shape.quality.flipped > 0) ++frames_with_flips;
+    flips.Add(shape.quality);
     worst_handle_error = std::max(worst_handle_error, shape.quality.worst_handle_error);
-    max_stretch = std::max(max_stretch, shape.quality.max_stretch);
+    if (shape.quality.measured) max_stretch = std::max(max_stretch, shape.quality.max_stretch);
     solve_micros += shape.solve_micros;
   }
 };
@@ -125,7 +123,7 @@ Result<Reply> BakeTrack(const StageOptions& options) {
       CHECK_OK(shapes.Write(frame, shape.positions));
       totals.Add(shape);
       film.Add(frame, std::move(shape.positions));
-      line.Show(fmt::format("frame {}/{}", totals.frames, track.frames.size()));
+      line.Show(fmt::format("frame {}/{}", totals.flips.frames, track.frames.size()));
       return {};
     };
     TrackSegments segments(track);
@@ -140,24 +138,25 @@ Result<Reply> BakeTrack(const StageOptions& options) {
   }
   CHECK_OK(shapes.Close());
   const double mean_solve =
-      totals.frames > 0 ? totals.solve_micros / static_cast<double>(totals.frames) : 0;
+      totals.flips.frames > 0 ? totals.solve_micros / static_cast<double>(totals.flips.frames) : 0;
+  const bool told = totals.flips.are_told();
   const std::string caption = fmt::format(
-      "{}, {} vertices, {} triangles, {}; {:.0f} µs per frame; {} with flips; largest stretch "
-      "{:.3g}",
-      Numbered(totals.frames, "frame"), mesh.vertices.size(), mesh.triangles.size(),
-      Numbered(track.handles.size(), "handle"), mean_solve,
-      Numbered(totals.frames_with_flips, "frame"), totals.max_stretch);
+      "{}, {} vertices, {} triangles, {}; {:.0f} µs per frame; {}; largest stretch {}",
+      Numbered(totals.flips.frames, "frame"), mesh.vertices.size(), mesh.triangles.size(),
+      Numbered(track.handles.size(), "handle"), mean_solve, Describe(totals.flips),
+      told ? fmt::format("{:.3g}", totals.max_stretch) : "not measured");
   Reply answer;
   answer.text = fmt::format(
       "{}\nregistered in {:.1f} ms, compiled in {:.1f} ms, worst handle error {:.3g}\n", caption,
       stage.register_micros() / 1000, stage.compile_micros() / 1000, totals.worst_handle_error);
-  answer.json = {{"frames", totals.frames},
+  answer.json = {{"frames", totals.flips.frames},
                  {"vertices", mesh.vertices.size()},
                  {"triangles", mesh.triangles.size()},
                  {"handles", track.handles.size()},
                  {"mean_solve_micros", mean_solve},
-                 {"frames_with_flips", totals.frames_with_flips},
-                 {"max_stretch", totals.max_stretch},
+                 {"frames_measured", totals.flips.measured},
+                 {"frames_with_flips", told ? OrderedJson(totals.flips.with_flips) : OrderedJson()},
+                 {"max_stretch", told ? OrderedJson(totals.max_stretch) : OrderedJson()},
                  {"worst_handle_error", totals.worst_handle_error},
                  {"register_micros", stage.register_micros()},
                  {"compile_micros", stage.compile_micros()},

@@ -54,6 +54,15 @@ CLI::Validator Between(double low, double high) {
       "");
 }
 
+void AddMeasureEvery(CLI::App& command, DeformOptions& deform) {
+  command
+      .add_option("--measure-every", deform.measure_every,
+                  "measure every N-th shape alone: its flips, its stretch and its energy; 0: none; "
+                  "default 1")
+      ->check(Between(0, 1e9))
+      ->option_text("N");
+}
+
 CLI::Validator Positive() { return Between(1e-9, 1e9); }
 
 CLI::Option* AddOutput(CLI::App& command, const std::string& flag, std::string& path,

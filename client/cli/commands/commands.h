@@ -11,6 +11,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "arap/model/deform.h"
 #include "arap/model/energy.h"
 #include "arap/model/repair.h"
 #include "client/cli/connect/connection.h"
@@ -108,6 +109,9 @@ void AddBasis(CLI::App& command, Variable& basis, bool planar, const std::string
 
 // --weld, --stitch, --drop-duplicates.
 void AddRepairs(CLI::App& command, RepairOptions& repairs);
+
+// --measure-every: which shapes of a stream or track are measured.
+void AddMeasureEvery(CLI::App& command, DeformOptions& deform);
 
 // --weights.
 template <class Variable>

@@ -100,6 +100,7 @@ std::string PickLines(std::span<const Complex> points, std::span<const std::opti
 
 // All times, edits and picks.
 std::string TimesReport(const DragTimes& times, std::span<const Complex> points) {
+  const bool told = times.flips.are_told();
   Json json{{"sent", times.sent},
             {"answered", times.answered},
             {"replaced", times.replaced},
@@ -108,8 +109,9 @@ std::string TimesReport(const DragTimes& times, std::span<const Complex> points)
             {"round_trip_micros", ToJson(PercentilesOf(times.round_trip_micros))},
             {"queue_micros", ToJson(PercentilesOf(times.queue_micros))},
             {"solve_micros", ToJson(PercentilesOf(times.solve_micros))},
-            {"frames_with_flips", times.frames_with_flips},
-            {"most_flips", times.most_flips},
+            {"frames_measured", times.flips.measured},
+            {"frames_with_flips", told ? Json(times.flips.with_flips) : Json()},
+            {"most_flips", told ? Json(times.flips.most) : Json()},
             {"worst_handle_error", times.worst_handle_error},
             {"edits", Json::array()},
             {"picks", Json::array()}};
@@ -183,17 +185,18 @@ Status Drag(const DragOptions& options) {
 
   const Percentiles round_trip = PercentilesOf(times.round_trip_micros);
   const std::string caption =
-      fmt::format("{}: {}, {}, {} replaced; round trip p50 {:.0f} µs, p99 {:.0f} µs; {} with flips",
+      fmt::format("{}: {}, {}, {} replaced; round trip p50 {:.0f} µs, p99 {:.0f} µs; {}",
                   every ? "every" : "latest", Numbered(times.sent, "update"),
                   Numbered(times.answered, "answer"), times.replaced, round_trip.p50,
-                  round_trip.p99, Numbered(times.frames_with_flips, "frame"));
+                  round_trip.p99, Describe(times.flips));
   const std::string resumed =
       times.resumed == 0 ? ""
                          : fmt::format("; resumed {}, {} lost", Numbered(times.resumed, "time"),
                                        Numbered(times.lost, "frame"));
   Say(fmt::format(
       "{}{}\nsolve p50 {:.0f} µs, worst handle error {:.3g}, most flips in a frame {}\n", caption,
-      resumed, PercentilesOf(times.solve_micros).p50, times.worst_handle_error, times.most_flips));
+      resumed, PercentilesOf(times.solve_micros).p50, times.worst_handle_error,
+      times.flips.are_told() ? std::to_string(times.flips.most) : "not measured"));
   for (const EditTimes& edit : times.edits) Say(Describe(edit) + "\n");
   Say(PickLines(points, times.picks, stage.mesh()));
   if (shapes) CHECK_OK(shapes->Close());

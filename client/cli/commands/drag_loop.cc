@@ -99,8 +99,7 @@ Status Tally::Count(Answer answer, double round_trip_micros) {
   times_.round_trip_micros.push_back(round_trip_micros);
   times_.queue_micros.push_back(shape.queue_micros);
   times_.solve_micros.push_back(shape.solve_micros);
-  if (shape.quality.flipped > 0) ++times_.frames_with_flips;
-  times_.most_flips = std::max(times_.most_flips, shape.quality.flipped);
+  times_.flips.Add(shape.quality);
   times_.worst_handle_error = std::max(times_.worst_handle_error, shape.quality.worst_handle_error);
   if (!shape.picks.empty()) times_.picks = std::move(answer.shape.picks);
   return events_.on_shape(frame, std::move(answer.shape));

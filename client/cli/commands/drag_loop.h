@@ -71,8 +71,7 @@ struct DragTimes {
   std::size_t replaced = 0;  // by newer updates, in LATEST delivery
   std::size_t lost = 0;      // the same while the stream was lost; the three make up `sent`
   std::size_t resumed = 0;   // how often the stream was lost and went on
-  std::size_t frames_with_flips = 0;
-  std::size_t most_flips = 0;  // in one frame
+  Flips flips;
   double worst_handle_error = 0;
   std::vector<EditTimes> edits;            // in order
   std::vector<std::optional<Pick>> picks;  // of the script's points, on the last frame

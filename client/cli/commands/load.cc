@@ -134,6 +134,7 @@ void AddScene(CLI::App& command, LoadRequest& request) {
                   "further iterations of every update; default 0")
       ->check(Between(0, 1000))
       ->option_text("N");
+  AddMeasureEvery(command, request.deform);
   AddChoice(command, "--encoding", request.encoding, Encodings(),
             "how positions travel; default float32");
 }

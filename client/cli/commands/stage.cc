@@ -48,6 +48,7 @@ void AddStageOptions(CLI::App& command, StageOptions& options, bool out_required
   command.add_option("--refine", options.deform.refine, "further iterations of the second step")
       ->check(CLI::Range(0, INT_MAX).description(""))
       ->option_text("N");
+  AddMeasureEvery(command, options.deform);
   command.add_flag("--hard", options.hard,
                    "meet the targets exactly, whatever weight the track gives");
 }
@@ -199,6 +200,21 @@ Status FilmMaker::Write(const std::string& caption) {
   if (!svg_.empty()) CHECK_OK(WriteTextFile(svg_, reel_.Animation(caption)));
   if (!frames_svg_.empty()) return WriteTextFile(frames_svg_, reel_.Sheet(caption));
   return {};
+}
+
+void Flips::Add(const client::ShapeQuality& quality) {
+  ++frames;
+  if (!quality.measured) return;
+  ++measured;
+  if (quality.flipped > 0) ++with_flips;
+  most = std::max(most, quality.flipped);
+}
+
+std::string Describe(const Flips& flips) {
+  if (flips.frames > 0 && flips.measured == 0) return "flips not measured";
+  const std::string text = Numbered(flips.with_flips, "frame") + " with flips";
+  if (flips.measured == flips.frames) return text;
+  return fmt::format("{} of {} measured", text, flips.measured);
 }
 
 std::string Describe(const EditTimes& times) {

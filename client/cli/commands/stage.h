@@ -110,6 +110,21 @@ class FilmMaker {
   Reel reel_;
 };
 
+// What shapes say of their flips, those that were measured.
+struct Flips {
+  std::size_t frames = 0;
+  std::size_t measured = 0;
+  std::size_t with_flips = 0;
+  std::size_t most = 0;  // in one frame
+
+  void Add(const client::ShapeQuality& quality);
+  // Whether there is anything to say.
+  bool are_told() const { return measured > 0 || frames == 0; }
+};
+
+// "2 frames with flips", "2 frames with flips of 12 measured", "flips not measured".
+std::string Describe(const Flips& flips);
+
 // How long a change of the handles took.
 struct EditTimes {
   std::size_t frame = 0;  // done before this one

@@ -34,8 +34,10 @@ LiveStream::LiveStream(const StreamKind& kind, std::size_t number, const LoadSes
       session_(session),
       connection_(connection),
       headers_(session.id),
-      asked_{kind.shape, client::internal::MeshSize{kind.scene.mesh.vertices.size(),
-                                                    kind.scene.mesh.triangles.size()}} {}
+      asked_{.options = kind.shape,
+             .mesh = client::internal::MeshSize{kind.scene.mesh.vertices.size(),
+                                                kind.scene.mesh.triangles.size()},
+             .measured = kind.shape.deform.measure_every == 1} {}
 
 bool LiveStream::Open(std::shared_ptr<const LoadPhase> phase, std::function<void()> opened) {
   const MutexLock lock(&mutex_);

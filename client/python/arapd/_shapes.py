@@ -127,6 +127,8 @@ def shape(message: Any, question: Question, picks: int | None,
     question.check_count(len(positions))
     check.finite((message.worst_handle_error, message.energy, message.mean_stretch,
                   message.max_stretch), "the quality of a shape")
+    if message.unmeasured:
+        refuse("a shape without the measures that were asked for.")
     if message.worst_handle_id:
         check.name(message.worst_handle_id, None, "handle")
     count = len(message.picks)

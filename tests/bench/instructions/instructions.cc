@@ -57,15 +57,15 @@ std::shared_ptr<const CompiledHandles> Compile(Basis basis) {
   return Must(CompiledHandles::Compile(Register(basis), Handles()));
 }
 
-void Update(Basis basis) {
+void Update(Basis basis, const DeformOptions& options = {}) {
   const auto handles = Compile(basis);
   Deformer deformer(handles);
   std::vector<Target> targets = handles->RestTargets();
   for (std::size_t i = 0; i < targets.size(); ++i) {
     targets[i].position += Complex(i % 2 == 0 ? 5 : -3, static_cast<double>(i));
   }
-  Must(deformer.Update(targets));  // the first allocates
-  Must(Count([&] { return deformer.Update(targets); }));
+  Must(deformer.Update(targets, options));  // the first allocates
+  Must(Count([&] { return deformer.Update(targets, options); }));
 }
 
 // `angle`: how deep the cap is, from its pole to its rim.
@@ -103,6 +103,7 @@ constexpr Case kCases[] = {
      }},
     {"update_edge", [] { Update(Basis::kEdge); }},
     {"update_face", [] { Update(Basis::kFace); }},
+    {"update_unmeasured", [] { Update(Basis::kEdge, {.measure_every = 0}); }},
     {"flatten_lscm", [] { Flattened(FlattenMethod::kFirstStep, 0); }},
     {"flatten_arap_20", [] { Flattened(FlattenMethod::kArap, 20); }},
     {"flatten_injective", [] { Flattened(FlattenMethod::kArap, 20, 2.8, true); }},

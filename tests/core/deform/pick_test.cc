@@ -190,6 +190,43 @@ TEST(UpdateManyTest, AShapeDoesNotDependOnItsCompany) {
   }
 }
 
+TEST(UpdateManyTest, ShapesAreTheSameWhetherMeasuredOrNot) {
+  const PlanarMesh mesh = JitteredGrid(12, 12, 3);
+  const auto set = Compile(Register(mesh), RandomHandles(mesh, 6, 2));
+  Deformer all(set, 3), some(set, 3);
+  std::vector<std::vector<Target>> targets;
+  for (std::uint64_t i = 0; i < 9; ++i) targets.push_back(RandomTargets(*set, 5, i));
+  for (const std::uint32_t every : {0u, 1u, 2u, 3u, 20u}) {
+    DeformOptions options;
+    options.measure_every = every;
+    for (std::size_t first = 0; first < 9; first += 3) {
+      const std::vector<std::span<const Target>> frames(
+          targets.begin() + static_cast<int>(first), targets.begin() + static_cast<int>(first) + 3);
+      std::vector<ShapeQuality> measured(3), qualities(3);
+      ASSERT_TRUE(all.UpdateMany(frames, {}, measured).has_value());
+      ASSERT_TRUE(some.UpdateMany(frames, options, qualities, {}, first).has_value());
+      for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_TRUE(std::equal(all.positions(i).begin(), all.positions(i).end(),
+                               some.positions(i).begin()));
+        ASSERT_TRUE(measured[i].measured);
+        ASSERT_EQ(qualities[i].measured, every > 0 && (first + i) % every == 0);
+        if (qualities[i].measured) {
+          EXPECT_EQ(qualities[i], measured[i]);
+          continue;
+        }
+        ShapeQuality handles_alone;
+        handles_alone.measured = false;
+        handles_alone.worst_handle = measured[i].worst_handle;
+        handles_alone.worst_handle_error = measured[i].worst_handle_error;
+        EXPECT_EQ(qualities[i], handles_alone);
+      }
+    }
+    const ShapeQuality one = Must(some.Update(targets[1], options));
+    EXPECT_EQ(one.measured, every > 0);
+    EXPECT_GT(one.worst_handle_error, 0);
+  }
+}
+
 TEST(UpdateManyTest, AFaultLeavesEveryShapeAlone) {
   const PlanarMesh mesh = JitteredGrid(5, 5, 3);
   const auto set = Compile(Register(mesh), RandomHandles(mesh, 4, 2));

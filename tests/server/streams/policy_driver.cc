@@ -98,7 +98,7 @@ void PolicyDriver::FinishJob(bool latest) {
         break;
       }
       policy.Opened(
-          {set, set->RestTargets()}, latest,
+          {set, set->RestTargets()}, latest, measure_every,
           [this]() -> Status {
             ++touched;
             if (session_over) return Fail(FaultKind::kNotFound, "The session is over.");
@@ -185,7 +185,10 @@ namespace {
 // Events from bytes, and what must be true of the answers to them.
 class Drive {
  public:
-  Drive(const std::uint8_t* data, std::size_t size) : bytes_(data, size) { every_ = bytes_.Coin(); }
+  Drive(const std::uint8_t* data, std::size_t size) : bytes_(data, size) {
+    every_ = bytes_.Coin();
+    driver_.measure_every = bytes_.Below(4);
+  }
 
   std::string Run() {
     if (bytes_.Coin()) {
@@ -294,6 +297,7 @@ class Drive {
       update.targets.push_back({kIds[bytes_.Below(static_cast<std::uint32_t>(kIds.size()))],
                                 {{bytes_.Number(), bytes_.Number()}, 0, 1}});
     }
+    update.measure = bytes_.Byte() > 200;
     if (bytes_.Byte() > 250) update.picks = Fail(FaultKind::kArrayLength, "An odd length.");
     driver_.Send(std::move(update));
   }
@@ -315,6 +319,12 @@ class Drive {
       Expect(!every_ || answer.replaced == 0, "EVERY replaces nothing");
       last_ = answer.sequence;
     }
+    if (answer.kind == StreamAnswer::Kind::kShape) {
+      unmeasured_ = answer.measured ? 0 : unmeasured_ + 1;
+      const std::uint32_t measure_every = driver_.measure_every;
+      Expect(measure_every == 0 || unmeasured_ < measure_every,
+             "of so many shapes in a row one is measured");
+    }
     driver_.FinishWrite(ok);
   }
 
@@ -324,9 +334,10 @@ class Drive {
   PolicyDriver driver_{SmallLimits()};
   bool every_ = false;
   std::uint64_t sent_ = 0;
-  std::uint64_t answered_ = 0;  // or replaced
-  std::uint64_t last_ = 0;      // that was answered
-  bool some_failed_ = false;    // jobs that had started, or should have
+  std::uint64_t answered_ = 0;    // or replaced
+  std::uint64_t last_ = 0;        // that was answered
+  std::uint32_t unmeasured_ = 0;  // shapes since the last measured one
+  bool some_failed_ = false;      // jobs that had started, or should have
   std::string broken_;
 
   // So that rate and idleness are met.

@@ -41,7 +41,8 @@ class PolicyDriver {
   void Ping(std::uint64_t nonce) { Send(app::StreamMessage::Ping{nonce}); }
   void HalfClose();
 
-  double frame_seconds = 1e-3;  // when it opens, and of every frame
+  std::uint32_t measure_every = 1;  // when it opens
+  double frame_seconds = 1e-3;      // when it opens, and of every frame
 
   // How the job ends: as it should, or not.
   void FinishJob(bool latest = true);

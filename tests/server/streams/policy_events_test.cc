@@ -115,7 +115,7 @@ class BusyStream {
     if (job_.work == Work::kOpen) {
       EXPECT_TRUE(policy_.AdmitFrames(1e-3));
       policy_.Opened(
-          {set, set->RestTargets()}, latest_, [] { return Status(); },
+          {set, set->RestTargets()}, latest_, 1, [] { return Status(); },
           std::make_unique<app::WireAnswer>());
     } else {
       policy_.FrameTook(1e-3);

@@ -1,5 +1,7 @@
 // What updates and edits of a live stream do. stream_policy.h states the rules.
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -122,6 +124,87 @@ TEST_P(DeliveryTest, UpdateWithoutRoomIsAnswered) {
   stream_.no_room = false;
   stream_.Update(2);
   ExpectUpdateJob(2);
+}
+
+// Measuring.
+
+// Which shapes of updates from 1 on are measured, each computed and written before the next.
+std::string MeasuredOf(PolicyDriver& stream, std::uint64_t first, std::uint64_t last,
+                       std::uint64_t asking = 0) {
+  std::string measured;
+  for (std::uint64_t i = first; i <= last; ++i) {
+    StreamMessage::Update update;
+    update.sequence = i;
+    update.measure = i == asking;
+    stream.Send(std::move(update));
+    const bool measures = stream.job->measure;
+    stream.FinishJob();
+    EXPECT_EQ(stream.writing->measured, measures) << i;
+    stream.FinishWrite();
+    measured += measures ? 'm' : '.';
+  }
+  return measured;
+}
+
+TEST_P(DeliveryTest, TheFirstShapeAndEveryNthAfterAMeasuredOneAreMeasured) {
+  const struct {
+    std::uint32_t every;
+    std::uint64_t asking;
+    const char* measured;
+  } cases[] = {{1, 0, "mmmmmmm"},   {2, 0, "m.m.m.m"}, {3, 0, "m..m..m"}, {3, 3, "m.m..m."},
+               {100, 0, "m......"}, {0, 0, "......."}, {0, 4, "...m..."}};
+  for (const auto& [every, asking, measured] : cases) {
+    PolicyDriver stream;
+    stream.measure_every = every;
+    stream.OpenAndAnswer(GetParam());
+    EXPECT_EQ(MeasuredOf(stream, 1, 7, asking), measured) << every << ", " << asking;
+    EXPECT_EQ(stream.broken, "");
+  }
+}
+
+TEST_P(DeliveryTest, AnEditIsMeasuredAndCounts) {
+  PolicyDriver stream;
+  stream.measure_every = 3;
+  stream.OpenAndAnswer(GetParam());
+  EXPECT_EQ(MeasuredOf(stream, 1, 2), "m.");
+  stream.Edit(3);
+  stream.FinishJob();
+  EXPECT_TRUE(stream.writing->measured);
+  stream.FinishWrite();
+  EXPECT_EQ(MeasuredOf(stream, 4, 7), "..m.");
+}
+
+TEST_P(DeliveryTest, AfterAMeasuredShapeThatFailsTheNextIsMeasured) {
+  PolicyDriver stream;
+  stream.measure_every = 4;
+  stream.OpenAndAnswer(GetParam());
+  stream.Update(1);
+  EXPECT_TRUE(stream.job->measure);
+  stream.FailJob(Fault(FaultKind::kNumerical, "No finite shape."));
+  stream.FinishWrite();
+  EXPECT_EQ(MeasuredOf(stream, 2, 4), "m..");
+}
+
+TEST_F(PolicyTest, WhatTakesThePlaceOfAMeasuredShapeIsMeasured) {
+  stream_.measure_every = 100;
+  stream_.OpenAndAnswer(kLatest);
+  stream_.Update(1);
+  stream_.FinishJob();  // measured, being written
+  stream_.Send(StreamMessage::Update{2, {}, {}, {}, true});
+  stream_.Send(StreamMessage::Update{3, {}, {}, {}, true});  // has not started
+  stream_.Update(4);                                         // in its place
+  EXPECT_TRUE(stream_.job->measure) << "2 asked";
+  stream_.FinishJob();  // 2 waits
+  ExpectUpdateJob(4);
+  EXPECT_TRUE(stream_.job->measure) << "3 asked, and 2 was measured";
+  stream_.FinishJob();  // in the place of 2
+  stream_.Update(5);
+  EXPECT_TRUE(stream_.job->measure) << "4 waits and is measured";
+  ExpectShape(1);
+  stream_.FinishJob();
+  ExpectShape(4, 2);
+  stream_.Update(6);
+  EXPECT_FALSE(stream_.job->measure);
 }
 
 // Edits.

@@ -124,6 +124,29 @@ TEST_F(AnswerClientTest, SomeVerticesAreThoseOfTheWhole) {
   }
 }
 
+TEST_F(AnswerClientTest, ShapesAreMeasuredAsOftenAsWasAsked) {
+  const auto all = InEveryWay("near", {.float64 = true});
+  for (const std::uint32_t every : {0u, 2u}) {
+    ShapeOptions options;
+    options.float64 = options.flipped_ids = true;
+    options.deform.measure_every = every;
+    const auto ways = InEveryWay("near", options);
+    for (std::size_t way = 0; way < ways.size(); ++way) {
+      ASSERT_THAT(ways[way], SizeIs(3));
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Shape& shape = ways[way][i];
+        const bool alone = way == 0;
+        EXPECT_EQ(shape.positions, all[way][i].positions);
+        EXPECT_EQ(shape.quality.worst_handle_error, all[way][i].quality.worst_handle_error);
+        ASSERT_EQ(shape.quality.measured, every > 0 && (alone || i % 2 == 0)) << way << ", " << i;
+        if (shape.quality.measured) {
+          EXPECT_EQ(shape.quality, all[way][i].quality);
+        }
+      }
+    }
+  }
+}
+
 TEST_F(AnswerClientTest, WhatCannotBeIsNamed) {
   const std::vector<HandleTarget> targets{{"l", {}}, {"r", {{5, 1}}}};
   const std::pair<ShapeOptions, const char*> cases[] = {

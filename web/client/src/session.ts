@@ -231,7 +231,9 @@ export class Session {
     const answer = await ask(this.#channel, deformation.Deform, request, work, call, this.id);
     const mesh = this.#sizes.ofSet(handleSetId);
     const vertices = verticesOf(answer.vertices, options, mesh);
-    return shapeOf(answer.shape, { options, mesh, vertices, picks: pickPoints.length / 2 });
+    const measured = options.measureEvery !== 0;
+    const picks = pickPoints.length / 2;
+    return shapeOf(answer.shape, { options, mesh, vertices, picks, measured });
   }
 
   /**

@@ -29,8 +29,13 @@ export interface ShapeOptions extends PositionOptions {
   mode?: Names<DeformModeAnswer, "DEFORM_MODE_">;
   /** Iterations of the second step from its own result. Default 0. */
   refine?: number;
-  /** Also answer the ids of flipped triangles. */
+  /** Also answer the ids of flipped triangles, of shapes that are measured. */
   flippedIds?: boolean;
+  /**
+   * Which shapes of a stream or track are measured: the first, and every n-th after one that was.
+   * Default 1: all; 0: none. Measuring takes the server about a quarter of a frame.
+   */
+  measureEvery?: number;
 }
 
 /** Where a point of a deformed shape was at rest. */
@@ -48,6 +53,11 @@ export interface Shape extends Positions {
   sequence: number;
   /** Updates that newer ones replaced since the last answer. */
   replaced: number;
+  /**
+   * Else flippedCount, flippedIds, energy, meanStretch and maxStretch say nothing: see
+   * ShapeOptions.measureEvery.
+   */
+  measured: boolean;
   /** Triangles whose orientation is reversed. */
   flippedCount: number;
   /** Their ids, when asked. */
@@ -78,6 +88,9 @@ export const shapeOptionsToWire = (options: ShapeOptions): WireOptions => ({
   refine: index(options.refine ?? 0, "options.refine"),
   ...positionOptionsToWire(options),
   includeFlippedIds: options.flippedIds ?? false,
+  ...(options.measureEvery !== undefined && {
+    measureEvery: index(options.measureEvery, "options.measure_every"),
+  }),
 });
 
 export function picksToWire(points: Numbers, field: string): Uint8Array {
@@ -95,6 +108,29 @@ export interface ShapeQuestion {
   vertices: Uint32Array | null;
   /** As many as were asked; undefined when that is not known any more. */
   picks: number | undefined;
+  /** Whether it has to be measured. */
+  measured: boolean;
+}
+
+/**
+ * Counts which shapes of a stream or track have to be measured: the first, and every n-th after one
+ * that was.
+ */
+export class MeasureCount {
+  readonly #every: number;
+  #unmeasured: number; // shapes since the last that was measured
+
+  constructor(options: ShapeOptions) {
+    this.#every = options.measureEvery ?? 1;
+    this.#unmeasured = this.#every - 1;
+  }
+  /** Whether the next shape has to be. */
+  isDue(): boolean {
+    return this.#every > 0 && this.#unmeasured + 1 >= this.#every;
+  }
+  answered(unmeasured: boolean): void {
+    this.#unmeasured = unmeasured ? this.#unmeasured + 1 : 0;
+  }
 }
 
 function pickOf(pick: PickResultAnswer, mesh: MeshSize | undefined): Pick | null {
@@ -120,18 +156,34 @@ function flippedOf(shape: ShapeAnswer, asked: ShapeQuestion): Uint32Array {
   return flipped;
 }
 
-export function shapeOf(answer: ShapeAnswer | null | undefined, asked: ShapeQuestion): Shape {
-  const shape = present(answer, "the shape");
-  const positions = positionsOf(shape, asked.options, asked.mesh, asked.vertices);
+function checkMeasures(shape: ShapeAnswer, asked: ShapeQuestion): void {
   checkNumbers(
     [shape.worstHandleError, shape.energy, shape.meanStretch, shape.maxStretch],
     "the quality of a shape",
   );
+  if (!shape.unmeasured) return;
+  if (asked.measured)
+    throw badAnswer("The server answered a shape without the measures that were asked for.");
+  if (
+    shape.flippedCount !== 0 ||
+    shape.flippedIds.length > 0 ||
+    shape.energy !== 0 ||
+    shape.meanStretch !== 0 ||
+    shape.maxStretch !== 0
+  )
+    throw badAnswer("The server answered measures of a shape that it says it has not measured.");
+}
+
+export function shapeOf(answer: ShapeAnswer | null | undefined, asked: ShapeQuestion): Shape {
+  const shape = present(answer, "the shape");
+  const positions = positionsOf(shape, asked.options, asked.mesh, asked.vertices);
+  checkMeasures(shape, asked);
   if (shape.worstHandleId !== "") checkId(shape.worstHandleId, "", "handle");
   checkCount(shape.picks.length, asked.picks ?? Math.min(shape.picks.length, maxPicks), "picks");
   return Object.assign(positions, {
     sequence: shape.sequence,
     replaced: shape.replaced,
+    measured: !shape.unmeasured,
     flippedCount: shape.flippedCount,
     flippedIds: flippedOf(shape, asked),
     worstHandleError: shape.worstHandleError,

@@ -7,7 +7,7 @@ import type { MeshSize } from "./checks.js";
 import { badAnswer, cancelled, errorOfCall } from "./errors.js";
 import { verticesOf } from "./positions.js";
 import type { Numbers } from "./runs.js";
-import { shapeOf, shapeOptionsToWire } from "./shape.js";
+import { MeasureCount, shapeOf, shapeOptionsToWire } from "./shape.js";
 import type { Shape, ShapeOptions } from "./shape.js";
 import { deformation } from "./wire.js";
 
@@ -51,6 +51,7 @@ export async function* deformTrack(
   const stop = cancelled("The track was cancelled.");
   if (signal?.aborted) throw stop;
   const count = track.frames.length;
+  const measures = new MeasureCount(track.options);
   let next = 0;
   let vertices: Uint32Array | null = null;
   let stopped = false;
@@ -78,7 +79,10 @@ export async function* deformTrack(
       if (next >= count)
         throw badAnswer(`The server answered more frames than the ${count} of the track.`);
       if (next === 0) vertices = verticesOf(answer.vertices, track.options, mesh);
-      const frame = shapeOf(answer.shape, { options: track.options, mesh, vertices, picks: 0 });
+      const measured = measures.isDue();
+      const asked = { options: track.options, mesh, vertices, picks: 0, measured };
+      const frame = shapeOf(answer.shape, asked);
+      measures.answered(!frame.measured);
       if (frame.sequence !== next) {
         throw badAnswer(
           `The server answered frame ${frame.sequence} of the track where ${next} was due.`,

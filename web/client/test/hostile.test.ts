@@ -47,6 +47,7 @@ const wrong: [string, RegExp, object][] = [
   ["flipped ids", /1 flipped triangles, not 0/, shape(1, { flippedIds: [0] })],
   ["picks", /1 picks, not 0/, shape(1, { picks: [{ hit: false }] })],
   ["quality", /quality of a shape/, shape(1, { energy: Infinity })],
+  ["no measures", /without the measures/, shape(1, { unmeasured: true, meanStretch: 0 })],
   ["a pong", /a ping that was not sent/, { pong: { nonce: 3 } }],
   ["another opening", /does not belong here/, opened("a", "b")],
 ];
@@ -59,6 +60,37 @@ test("a shape that does not fit is not handed out", { timeout }, async () => {
     });
   }
 });
+
+test(
+  "shapes are measured as often as was asked, and say nothing else of it",
+  { timeout },
+  async () => {
+    const bare = { unmeasured: true, meanStretch: 0, maxStretch: 0 };
+    const cases: [StreamOptions, number, object[], RegExp][] = [
+      [{ measureEvery: 3 }, 0, [{}, bare, bare, bare], /without the measures/],
+      [{ measureEvery: 3 }, 0, [bare], /without the measures/],
+      [{ measureEvery: 0 }, 3, [bare, bare, bare], /without the measures/],
+      [{ measureEvery: 0 }, 0, [bare, { ...bare, flippedCount: 1 }], /says it has not measured/],
+      [{ measureEvery: 0 }, 0, [bare, { ...bare, maxStretch: 1 }], /says it has not measured/],
+    ];
+    for (const [options, asking, answers, sentence] of cases) {
+      const answer = ({ update }: Message, call: Stream): void => {
+        call.write(shape(update.sequence, answers[update.sequence - 1]));
+      };
+      await pretend({ StreamDeform: live(answer) }, async (client) => {
+        const one = await stream(client, options);
+        for (const [i, given] of answers.entries()) {
+          one.send({ measure: i + 1 === asking });
+          if (i + 1 < answers.length) {
+            assert.equal((await nextShape(one)).measured, given !== bare);
+          } else {
+            assert.match((await failure(one.read(), "INTERNAL")).message, sentence);
+          }
+        }
+      });
+    }
+  },
+);
 
 test("a stream that ends before it has answered is broken", { timeout }, () =>
   pretend({ StreamDeform: live((_, call) => call.end()) }, async (client) => {

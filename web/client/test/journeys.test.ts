@@ -144,6 +144,41 @@ test("a track gives its frames in order, and may be left", { timeout }, () =>
   }),
 );
 
+test("shapes are measured as often as that is asked", { timeout }, () =>
+  serve(async (client) => {
+    const session = await puppet(client);
+    const targets = [
+      { id: "l", x: 0, y: 0 },
+      { id: "r", x: 12, y: 0 },
+      { id: "top", x: 4, y: 9 },
+    ];
+    const measured = await session.deform("h", targets, { float64: true });
+    const shape = await session.deform("h", targets, { float64: true, measureEvery: 0 });
+    assert.deepEqual([measured.measured, shape.measured], [true, false]);
+    assert.deepEqual(shape.positions, measured.positions);
+    assert.equal(shape.worstHandleError, measured.worstHandleError);
+    assert.ok(measured.energy > 0 && measured.maxStretch > 1);
+    const frames = Array.from({ length: 5 }, () => ({ positions: [0, 0, 12, 0, 4, 9] }));
+    const marks: boolean[] = [];
+    for await (const frame of session.deformTrack("h", ["l", "r", "top"], frames, {
+      measureEvery: 3,
+    }))
+      marks.push(frame.measured);
+    assert.deepEqual(marks, [true, false, false, true, false]);
+    const stream = await session.openStream("h", { measureEvery: 0 });
+    stream.send({ targets });
+    assert.equal((await nextShape(stream)).measured, false);
+    stream.edit({ add: [{ id: "mid", vertex: 40 }] });
+    assert.equal((await nextShape(stream)).measured, true);
+    stream.send({ targets });
+    assert.equal((await nextShape(stream)).measured, false);
+    stream.send({ measure: true });
+    const rest = await nextShape(stream);
+    assert.ok(rest.measured && rest.energy > 0);
+    stream.cancel();
+  }),
+);
+
 test("a stream moves, edits, picks, pings and ends", { timeout }, () =>
   serve(async (client) => {
     const session = await puppet(client);

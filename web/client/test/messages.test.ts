@@ -14,6 +14,7 @@ const move = (sequence: number, places: Record<string, number>): Message => ({
     sequence,
     positions: none,
     pickPoints: none,
+    measure: false,
     targets: Object.entries(places).map(([handleId, x]) => ({
       handleId,
       x,
@@ -23,7 +24,13 @@ const move = (sequence: number, places: Record<string, number>): Message => ({
   },
 });
 const all = (sequence: number, ...places: number[]): Message => ({
-  update: { sequence, targets: [], pickPoints: none, positions: packFloat64(places) },
+  update: {
+    sequence,
+    targets: [],
+    pickPoints: none,
+    positions: packFloat64(places),
+    measure: false,
+  },
 });
 const edit = (sequence: number, remove: string[] = [], add: string[] = []): Message => ({
   edit: { sequence, remove, add: add.map((handleId) => ({ handleId, vertex: 0 })) },
@@ -41,6 +48,16 @@ const told = (messages: readonly Message[]): string[] =>
 test("updates that newer ones replace become one, and no target is lost", () => {
   const messages = [move(1, { a: 1 }), move(2, { b: 2 }), move(3, { a: 3 }), move(4, { c: 4 })];
   assert.deepEqual(told(fold(messages)), ["3 a=3 b=2", "4 c=4"]);
+});
+
+test("what answers in the place of an update that asks to be measured asks too", () => {
+  const asking = (sequence: number): Message => {
+    const message = move(sequence, { a: sequence });
+    return isEdit(message) ? message : { update: { ...message.update, measure: true } };
+  };
+  const messages = [move(1, { a: 1 }), asking(2), move(3, { a: 3 }), edit(4), move(5, { a: 5 })];
+  const asks = fold(messages).map((message) => !isEdit(message) && message.update.measure);
+  assert.deepEqual(asks, [false, true, false, false]);
 });
 
 test("all positions at once stand between what came before and after", () => {

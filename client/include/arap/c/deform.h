@@ -104,6 +104,9 @@ typedef struct arap_shape_options {
   int32_t boundary_only;          // 1: only vertices on the boundary, ascending
   const uint32_t* vertex_subset;  // or only these, in this order, none of them twice
   size_t vertex_subset_count;
+  // Which shapes of a stream or track are measured: the first, and every n-th after one that was; 0
+  // and 1 all, below 0 none.
+  int32_t measure_every;
 } arap_shape_options;
 
 // How good a shape is.
@@ -139,6 +142,8 @@ const uint32_t* arap_shape_vertices(const arap_shape* shape);  // which they are
 // How far a coordinate may be off by its way over the wire.
 double arap_shape_position_error(const arap_shape* shape);
 arap_quality arap_shape_quality(const arap_shape* shape);
+// 0: it was not measured. Only worst_handle_error of its quality says anything then.
+int32_t arap_shape_is_measured(const arap_shape* shape);
 // The handle that is farthest from its target, "" without handles.
 const char* arap_shape_worst_handle(const arap_shape* shape);
 size_t arap_shape_flipped_count(const arap_shape* shape);  // 0 unless flipped_ids was asked
@@ -200,7 +205,11 @@ arap_error* arap_stream_move_some(arap_stream* stream, uint64_t sequence,
 arap_error* arap_stream_move_and_pick(arap_stream* stream, uint64_t sequence,
                                       const arap_target* targets, size_t target_count,
                                       const double* points, size_t point_count);
-// Changes the handles of this stream, removals first. The answer is a shape with a new revision.
+// Moves nothing, and asks for a shape that is measured whatever measure_every says: the quality of
+// what stays where a hand rests. It may come with the answer to a newer move.
+arap_error* arap_stream_measure(arap_stream* stream, uint64_t sequence);
+// Changes the handles of this stream, removals first. The answer is a shape with a new revision,
+// always measured.
 arap_error* arap_stream_edit(arap_stream* stream, uint64_t sequence, const char* const* remove,
                              size_t remove_count, const arap_handle* add, size_t add_count);
 // Nothing more will be sent. What is pending is answered, then the stream ends.

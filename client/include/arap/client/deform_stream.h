@@ -69,6 +69,9 @@ struct HandleUpdate {
   std::vector<HandleTarget> targets;  // any subset of the handles; the others stay where they are
   std::vector<Complex> positions;     // all handles in the order of the set; angles and scales stay
   std::vector<Complex> pick_points;   // deformed points to map back to rest, at most 1024
+  // Measure the shape whatever measure_every says, or the one that answers a newer update in its
+  // place. Where a hand rests, an update without targets asks for the quality of what stays.
+  bool measure = false;
 };
 
 // A bad update or edit. The stream goes on.
@@ -105,7 +108,8 @@ class DeformStream {
   // kProtocol: the stream is over; Read says why. kInvalidOption, when it resumes: the sequence has
   // not grown.
   Status Send(const HandleUpdate& update);
-  // Changes the handle set; removals come first. The answer is a shape with the new revision.
+  // Changes the handle set; removals come first. The answer is a shape with the new revision, which
+  // is always measured.
   Status Edit(std::uint64_t sequence, std::span<const std::string> remove,
               std::span<const Handle> add);
   // Asks for a sign of life.

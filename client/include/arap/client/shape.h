@@ -24,7 +24,7 @@ struct ShapeOptions {
   // that they are as exact at map coordinates as at 0: off by 6e-8 of half the size of the shape at
   // most, or by what `encoding` says.
   bool float64 = false;
-  bool flipped_ids = false;  // also answer the ids of flipped triangles
+  bool flipped_ids = false;  // also the ids of flipped triangles, of shapes that are measured
   // How positions travel; not with float64. kInt16Le takes half the bytes of the others and is off by
   // up to 1/131068 of the longer side of the box around the shape.
   PositionEncoding encoding = PositionEncoding::kFloat32;
@@ -40,7 +40,8 @@ struct Shape {
   std::vector<std::uint32_t>
       vertices;               // which they are of, when not all were asked for; else empty
   double position_error = 0;  // how far a coordinate may be off by its way over the wire
-  // quality.worst_handle is 0: the server names the handle with the worst error, by its id.
+  // Whether it was measured, quality.measured says. quality.worst_handle is 0: the server names the
+  // handle with the worst error, by its id.
   ShapeQuality quality;
   std::string worst_handle_id;             // empty without handles
   std::vector<std::uint32_t> flipped_ids;  // when asked

@@ -36,7 +36,8 @@ class Deformer {
 
   // One target per handle, in the order of the set. No heap allocation after the first call.
   // Costs O(#V) per constraint row and one back-substitution, which each refinement repeats; about
-  // 2 ms at 10,000 vertices.
+  // 2 ms at 10,000 vertices. The shape is measured unless options.measure_every is 0; its positions
+  // are the same either way.
   //
   // Faults: kTargetCount; kNonFiniteTarget and kInvalidOption (scale) with the field "targets[i]…";
   // kConflictingHandles when hard handles cannot all meet their targets; kInvalidOption for
@@ -48,8 +49,10 @@ class Deformer {
   // Up to lanes() frames at once, the shape and quality of the i-th in lane i; each is the same, to
   // the last bit, as Update's of a Deformer with as many lanes. They share the passes over the
   // factor, which pays for baking. The first fault ends it and leaves all positions as before.
+  // They are frames of a track from frame `first` on; options.measure_every counts from frame 0.
   Status UpdateMany(std::span<const std::span<const Target>> frames, const DeformOptions& options,
-                    std::span<ShapeQuality> qualities, const CancelToken& cancel = {});
+                    std::span<ShapeQuality> qualities, const CancelToken& cancel = {},
+                    std::size_t first = 0);
   std::size_t lanes() const;
 
   // Vertex positions (#V) of the last successful update, at first the rest positions. Valid until

@@ -23,11 +23,14 @@ struct DeformOptions {
   // Repetitions of the second step with the rotations of its own result, 0 to kMaxRefine; in
   // kRigid only. A descent for FACE and VERTEX cells, not for EDGE cells [algorithm §1].
   int refine = 0;
+  // Which shapes of a stream or track are measured (ShapeQuality): the first, and every n-th after
+  // one that was; 1 all, 0 none. Measuring takes about a quarter of a frame.
+  std::uint32_t measure_every = 1;
 
   bool operator==(const DeformOptions&) const = default;
 };
 
-// How good a shape is.
+// How good a shape is. Of one that was not measured only the handle that misses most is told.
 struct ShapeQuality {
   std::size_t flipped = 0;        // triangles with reversed orientation
   double worst_handle_error = 0;  // units of the mesh
@@ -35,6 +38,7 @@ struct ShapeQuality {
   double energy = 0;              // of the basis, normalised to a unit diagonal, without handles
   double mean_stretch = 1;        // area-weighted mean of max(s1, 1/s2) over triangles
   double max_stretch = 1;         // at most 1e30
+  bool measured = true;           // else flips, energy and stretch are as above, which says nothing
 
   bool operator==(const ShapeQuality&) const = default;
 };

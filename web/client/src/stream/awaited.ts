@@ -11,8 +11,16 @@ const mostApart = 4096;
 interface Awaited {
   first: number;
   last: number; // the same for a single one
-  picks: number | undefined;
+  asked: Asked;
   since: number;
+}
+
+/** What was asked of an answer. */
+export interface Asked {
+  /** How many picks, when that is known. */
+  picks: number | undefined;
+  /** For an edit, or an update that asks for it; or it comes in the place of such a one. */
+  measured: boolean;
 }
 
 /**
@@ -30,7 +38,13 @@ export class AwaitedAnswers {
   sent(message: Message, now: number): void {
     const sequence = sequenceOf(message);
     const picks = isEdit(message) ? 0 : message.update.pickPoints.length / 16;
-    this.#awaited.push({ first: sequence, last: sequence, picks, since: now });
+    const measured = isEdit(message) || message.update.measure;
+    this.#awaited.push({
+      first: sequence,
+      last: sequence,
+      asked: { picks, measured },
+      since: now,
+    });
     if (!this.#every && this.#awaited.length > mostApart) this.#shorten();
   }
   /** A new call begins, on which these are said first. */
@@ -39,19 +53,17 @@ export class AwaitedAnswers {
     for (const message of messages) this.sent(message, now);
   }
 
-  /**
-   * The answer to this sequence came: for how many picks were asked, when that is known. INTERNAL
-   * when none is due.
-   */
-  take(sequence: number): number | undefined {
+  /** The answer to this sequence came: what was asked of it. INTERNAL when none is due. */
+  take(sequence: number): Asked {
     const candidates = this.#every ? this.#awaited.slice(0, 1) : this.#awaited;
     const at = candidates.findIndex(({ first, last }) => first <= sequence && sequence <= last);
     if (at < 0)
       throw badAnswer(`The server answered the sequence ${sequence}, for which it was not asked.`);
-    const { first, last, picks } = this.#awaited[at]!;
+    const { first, last, asked } = this.#awaited[at]!;
+    const measured = this.#awaited.slice(0, at + 1).some((one) => one.asked.measured);
     // More of a range may be answered yet.
     this.#awaited.splice(0, first === last ? at + 1 : at);
-    return picks;
+    return { picks: asked.picks, measured };
   }
 
   /** Since when the oldest waits. */
@@ -64,7 +76,8 @@ export class AwaitedAnswers {
     const older = this.#awaited.splice(0, this.#awaited.length / 2);
     const first = Math.min(...older.map((one) => one.first));
     const last = Math.max(...older.map((one) => one.last));
-    this.#awaited.unshift({ first, last, picks: undefined, since: older[0]!.since });
+    const asked = { picks: undefined, measured: false };
+    this.#awaited.unshift({ first, last, asked, since: older[0]!.since });
   }
 }
 

@@ -102,13 +102,14 @@ export class DeformStream implements AsyncIterable<StreamEvent> {
         targets: targetsToWire(update.targets ?? []),
         positions: numberRun(update.positions ?? [], "positions"),
         pickPoints: picksToWire(update.pickPoints ?? [], "pick_points"),
+        measure: update.measure ?? false,
       },
     });
   }
 
   /**
    * Changes the handle set of this stream, and answers the sequence. The answer is a shape with the
-   * next revision.
+   * next revision, always measured.
    */
   edit(edit: HandleEdit): number {
     const { remove = [], add = [] } = edit;

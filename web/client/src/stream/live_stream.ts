@@ -12,7 +12,7 @@ import type { StreamDeformResponseAnswer } from "../gen/arap/v1/StreamDeformResp
 import { handleSetOf } from "../handles.js";
 import type { HandleSetInfo } from "../handles.js";
 import { verticesOf } from "../positions.js";
-import { shapeOf } from "../shape.js";
+import { MeasureCount, shapeOf } from "../shape.js";
 import type { KnownSizes } from "../sizes.js";
 import { AwaitedAnswers, SignsOfLife } from "./awaited.js";
 import { Ending, Trouble, endingOf, errorFrom, overdueOf, streamCancelled } from "./ending.js";
@@ -50,6 +50,7 @@ export class LiveStream {
   readonly #unhook: () => void;
   #watch: NodeJS.Timeout | undefined;
   #mesh: MeshSize | undefined; // once it is known
+  #measures: MeasureCount; // of the call of the moment
   #call: StreamCall | undefined; // of the moment
   #open = false; // it may be pushed on
   #onOpen: (() => void)[] = [];
@@ -80,6 +81,7 @@ export class LiveStream {
     const latest = settings.delivery !== "every";
     this.#log = settings.resumeWithin > 0 ? new ReplayLog(latest) : undefined;
     this.#awaited = new AwaitedAnswers(!latest);
+    this.#measures = new MeasureCount(settings);
     this.#life = new SignsOfLife(settings.heartbeat, settings.silence);
     this.#unhook = channel.onStop(call.signal, () => this.cancel());
   }
@@ -248,10 +250,18 @@ export class LiveStream {
   }
 
   #shapeOf(answer: ShapeAnswer): StreamEvent | undefined {
-    const picks = this.#awaited.take(answer.sequence);
+    const asked = this.#awaited.take(answer.sequence);
+    const measured = asked.measured || this.#measures.isDue();
+    this.#measures.answered(answer.unmeasured);
     if (this.#known(answer.sequence, true)) return undefined;
     const vertices = this.vertices;
-    const shape = shapeOf(answer, { options: this.#settings, mesh: this.#mesh, vertices, picks });
+    const shape = shapeOf(answer, {
+      options: this.#settings,
+      mesh: this.#mesh,
+      vertices,
+      picks: asked.picks,
+      measured,
+    });
     // Of a mesh that was never seen, the shapes have at least one size.
     if (!vertices) this.#mesh ??= { vertices: shape.local.length / 2, triangles: Infinity };
     while (this.#merged.length > 0 && this.#merged[0]!.sequence <= shape.sequence) {
@@ -278,6 +288,7 @@ export class LiveStream {
     call.push({ open: this.#openMessage });
     this.#call?.cancel();
     this.#call = call;
+    this.#measures = new MeasureCount(this.#settings);
     this.#silent = false;
     this.#waitingSince = now();
     this.#life.restart(now());

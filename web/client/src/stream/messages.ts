@@ -9,6 +9,8 @@ export interface Update {
   /** Doubles as bytes; empty when there are targets. */
   positions: Uint8Array;
   pickPoints: Uint8Array;
+  /** The shape, in any case. */
+  measure: boolean;
 }
 export interface Edit extends WireEdit {
   sequence: number;
@@ -53,7 +55,13 @@ export class Pose {
     ): void => {
       if (targets.size === 0 && positions.length === 0) return;
       out.push({
-        update: { sequence, targets: [...targets.values()], positions, pickPoints: none },
+        update: {
+          sequence,
+          targets: [...targets.values()],
+          positions,
+          pickPoints: none,
+          measure: false,
+        },
       });
     };
     say(this.#sequences.before, this.#before, none);
@@ -65,7 +73,7 @@ export class Pose {
 /**
  * Fewer messages that a "latest" stream answers alike. The last update before an edit, and the
  * newest of all, are answered in any case: they stay as they were sent, and so does what `mayMerge`
- * says no to.
+ * says no to. What answers in the place of one that asks to be measured is measured.
  */
 export function fold(
   messages: readonly Message[],
@@ -73,15 +81,18 @@ export function fold(
 ): Message[] {
   const folded: Message[] = [];
   let pose = new Pose();
+  let measure = false;
   messages.forEach((message, i) => {
     const next = messages[i + 1];
     if (!isEdit(message) && next && !isEdit(next) && mayMerge(message.update)) {
       pose.add(message.update);
+      measure ||= message.update.measure;
       return;
     }
     pose.say(folded);
     pose = new Pose();
-    folded.push(message);
+    folded.push(measure && !isEdit(message) ? { update: { ...message.update, measure } } : message);
+    measure = false;
   });
   return folded;
 }

@@ -53,6 +53,11 @@ export interface HandleUpdate {
   positions?: Numbers;
   /** Deformed points x y x y… to map back to rest, at most 1024. */
   pickPoints?: Numbers;
+  /**
+   * Measure the shape whatever measureEvery says, or the one that answers a newer update in its
+   * place. Where a hand rests, an update of this alone asks for the quality of what stays.
+   */
+  measure?: boolean;
 }
 
 /** Changes the handles of this stream; removals come first. */
