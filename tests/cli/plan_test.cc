@@ -15,6 +15,7 @@ namespace arap::cli {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 // Pollaczek and Khinchine: the mean time in a queue with one worker and arrivals by chance.
 TEST(Queueing, MeanIsThatOfTheory) {
@@ -99,6 +100,8 @@ TEST_F(PlanCommand, AnswersInWordsAndInJson) {
   ASSERT_EQ(said.code, 0) << said.err;
   EXPECT_THAT(said.out, HasSubstr("10000 puppets of 1000 vertices and 8 handles"));
   EXPECT_THAT(said.out, HasSubstr("What is too little first: cores"));
+  EXPECT_THAT(said.out, HasSubstr("µs")) << "an update takes less than a millisecond";
+  EXPECT_THAT(said.out, Not(HasSubstr("0.00")));
   EXPECT_EQ(Arapctl(words).out, said.out) << "the same again";
   auto with_json = words;
   with_json.emplace_back("--json");
@@ -122,6 +125,17 @@ TEST_F(PlanCommand, AnswersInWordsAndInJson) {
               HasSubstr("do not fit"));
 }
 
+TEST_F(PlanCommand, TakesTheTimeOfAnUpdateThatWasMeasured) {
+  const Outcome outcome =
+      Arapctl({"plan", "--puppets", "10", "--vertices", "1000", "--fps", "10", "--cores", "1",
+               "--replicas", "1", "--update-micros", "5000", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_NEAR(json["use"]["cores"].get<double>(), 0.5, 1e-9);
+  EXPECT_NEAR(json["update"]["core_micros"].get<double>(), 5'000, 1e-6);
+  EXPECT_GE(json["time_micros"]["mean"].get<double>(), 5'000 * 0.99);
+}
+
 TEST_F(PlanCommand, WrongCommandLinesAreTold) {
   for (const std::vector<std::string>& more :
        std::vector<std::vector<std::string>>{{"--puppets", "0"},
@@ -135,6 +149,7 @@ TEST_F(PlanCommand, WrongCommandLinesAreTold) {
                                              {"--cores", "0"},
                                              {"--memory", "0"},
                                              {"--network", "0"},
+                                             {"--update-micros", "0"},
                                              {"--use", "100"}}) {
     std::vector<std::string> words{"plan"};
     for (const char* flag : {"--puppets", "--vertices", "--fps"}) {

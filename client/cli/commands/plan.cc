@@ -19,21 +19,26 @@ namespace {
 struct PlanFlags {
   Puppets puppets;
   Machine machine;
-  double replicas = 0;  // as many as are wanted
+  double replicas = 0;       // as many as are wanted
+  double update_micros = 0;  // by what was measured here
   double memory_gb = 32, network_gbit = 10, use_percent = 70;
   bool json = false;
 };
 
-// "1.9 GB": three digits, by thousands.
+// "1.9 GB", "734 µs": three digits, by thousands.
 std::string Scaled(double value, std::string_view unit) {
-  constexpr std::array<const char*, 6> kPrefixes{"", "k", "M", "G", "T", "P"};
-  std::size_t prefix = 0;
+  constexpr std::array<const char*, 8> kPrefixes{"µ", "m", "", "k", "M", "G", "T", "P"};
+  std::size_t prefix = 2;
+  if (unit == "s") {
+    for (; value > 0 && value < 0.9995 && prefix > 0; --prefix) value *= 1000;
+  }
   while (value >= 999.5 && prefix + 1 < kPrefixes.size()) {
     value /= 1000;
     ++prefix;
   }
   const int digits = value >= 99.95 ? 0 : (value >= 9.995 ? 1 : 2);
-  return fmt::format("{:.{}f} {}{}", value, digits, kPrefixes[prefix], unit);
+  const std::string name = std::string(kPrefixes[prefix]) + std::string(unit);
+  return fmt::format("{:.{}f}{}{}", value, digits, name.empty() ? "" : " ", name);
 }
 
 std::string Percent(double part) { return fmt::format("{:.0f} %", 100 * part); }
@@ -157,6 +162,7 @@ Result<Reply> MakeReply(const PlanFlags& given) {
   flags.machine.memory = flags.memory_gb * 1e9;
   flags.machine.network = flags.network_gbit * 1e9 / 8;
   flags.machine.target = flags.use_percent / 100;
+  flags.machine.update_seconds = flags.update_micros / 1e6;
   const Plan plan = MakePlan(flags.puppets, flags.machine, flags.replicas);
   const QueueTimes times = std::isfinite(plan.servers) ? TimesOf(flags, plan) : QueueTimes();
   return Reply{JsonOf(flags, plan, times), TextOf(flags, plan, times)};
@@ -185,6 +191,9 @@ void AddPlan(CLI::App& app, Run& run) {
   number("--cores", flags->machine.cores, 1, 1'024, "N", "cores of a server; default 8");
   number("--memory", flags->memory_gb, 0.1, 1e5, "GB", "its memory; default 32");
   number("--network", flags->network_gbit, 0.001, 1e4, "GBIT/S", "what it can send; default 10");
+  number("--update-micros", flags->update_micros, 0.1, 1e9, "MICROS",
+         "processor time of an update where they are to run, as tests/bench/replicas.py measures it; "
+         "default by the formula of docs/operations.md");
   number("--use", flags->use_percent, 1, 99, "PERCENT",
          "how busy its cores may be, so that there is room for bursts; default 70");
   SetReply(*command, run, flags, &MakeReply);

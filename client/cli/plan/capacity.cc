@@ -15,11 +15,11 @@ namespace {
 
 // `arapctl load --streams 4 --vertices V --handles H`, a closed loop, from 100 to 30,000 vertices:
 // the processor time of the process (user and system) over the updates that it answered, the smaller
-// of two runs, less a run that only sets up. The formula is within 10 % of the
-// twelve that were measured, but for one of 20 %.
-constexpr double kMessage = 47e-6;
-constexpr double kVertexTime = 9.5e-9;     // for each doubling of the vertices: the factors
-constexpr double kVertexTimeRow = 1.9e-9;  // for each handle
+// of two runs, less a run that only sets up. The formula is within 9 % of the
+// twelve that were measured.
+constexpr double kMessage = 66e-6;
+constexpr double kVertexTime = 5.1e-9;      // for each doubling of the vertices: the factors
+constexpr double kVertexTimeRow = 1.85e-9;  // for each handle
 
 // `arapctl mesh register --json`: the bytes of both factors, from 100 to 100,000 vertices.
 constexpr double kLeastMeshVertex = 950;
@@ -75,6 +75,7 @@ MemoryCost CostOfMemory(const Puppets& puppets) {
 Plan MakePlan(const Puppets& puppets, const Machine& machine, double servers) {
   Plan plan;
   plan.update = CostOfUpdate(puppets);
+  if (machine.update_seconds > 0) plan.update.core_seconds = machine.update_seconds;
   plan.memory = CostOfMemory(puppets);
   plan.updates = puppets.count * puppets.fps;
   plan.updates_per_core = 1 / plan.update.core_seconds;
