@@ -1,5 +1,7 @@
 #include "core/sparse/factor.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <type_traits>
@@ -214,6 +216,12 @@ class Workspace::Data {
       cholmod_free_dense(&b->e, common.get());
     }
   }
+  // Room for the solutions of so many shapes, and for a pass over them.
+  std::complex<double>* Points(const PackedFactor<double>& factor, std::size_t shapes) {
+    if (x.size() < 2 * factor.size() * shapes) x.resize(2 * factor.size() * shapes);
+    if (lanes.size() < factor.ScratchSize()) lanes.resize(factor.ScratchSize());
+    return reinterpret_cast<std::complex<double>*>(x.data());
+  }
   Common common;
   Buffers real, complex;
   // Of packed factors: the answer, and rows of a few columns together.
@@ -333,14 +341,29 @@ Result<std::span<const Scalar>> Factor<Scalar>::Solve(std::span<const Scalar> ri
 template <class Scalar>
 std::span<const std::complex<double>> Factor<Scalar>::SolvePoints(
     std::span<const std::complex<double>> right, std::size_t shapes, Workspace& workspace) const {
-  Workspace::Data& scratch = workspace.data();
   const PackedFactor<double>& packed = *data_->real;
-  const std::size_t count = packed.size() * shapes;
-  if (scratch.x.size() < 2 * count) scratch.x.resize(2 * count);
-  if (scratch.lanes.size() < packed.ScratchSize()) scratch.lanes.resize(packed.ScratchSize());
-  auto* x = reinterpret_cast<std::complex<double>*>(scratch.x.data());
-  packed.SolvePoints(right.data(), shapes, x, scratch.lanes);
-  return {x, count};
+  const std::size_t n = packed.size();
+  std::complex<double>* x = workspace.data().Points(packed, shapes);
+  for (std::size_t begin = 0; begin < shapes; begin += 2) {
+    const std::size_t next = std::min(begin + 1, shapes - 1);
+    const std::array<PointSolve, 2> pair{PointSolve{right.data() + begin * n, x + begin * n},
+                                         PointSolve{right.data() + next * n, x + next * n}};
+    packed.SolvePoints(std::span(pair).first(next - begin + 1), workspace.data().lanes);
+  }
+  return {x, n * shapes};
+}
+
+template <class Scalar>
+std::pair<std::span<const std::complex<double>>, std::span<const std::complex<double>>>
+Factor<Scalar>::SolveBoth(std::span<const std::complex<double>> one, Workspace& ones,
+                          std::span<const std::complex<double>> other, Workspace& others) const {
+  const PackedFactor<double>& packed = *data_->real;
+  const std::size_t n = packed.size();
+  std::complex<double>* x = ones.data().Points(packed, 1);
+  std::complex<double>* y = others.data().Points(packed, 1);
+  const std::array<PointSolve, 2> both{PointSolve{one.data(), x}, PointSolve{other.data(), y}};
+  packed.SolvePoints(both, ones.data().lanes);
+  return {std::span<const std::complex<double>>(x, n), std::span<const std::complex<double>>(y, n)};
 }
 
 template <class Scalar>

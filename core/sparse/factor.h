@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/SparseCore>
@@ -88,6 +89,11 @@ class Factor {
   // the bytes that Solve gives its two columns. No faults; std::bad_alloc as Solve's.
   std::span<const std::complex<double>> SolvePoints(std::span<const std::complex<double>> right,
                                                     std::size_t shapes, Workspace& workspace) const;
+  // The same for two sets of points that lie apart, in one pass over the factor: the answer of each
+  // is in its own workspace, as if it had been alone.
+  std::pair<std::span<const std::complex<double>>, std::span<const std::complex<double>>> SolveBoth(
+      std::span<const std::complex<double>> one, Workspace& ones,
+      std::span<const std::complex<double>> other, Workspace& others) const;
 
   std::size_t size() const;
   std::span<const int> order() const;

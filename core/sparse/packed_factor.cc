@@ -185,28 +185,24 @@ void PackedFactor<Scalar>::Solve(const Scalar* right, std::size_t columns, Scala
 }
 
 template <class Scalar>
-void PackedFactor<Scalar>::SolvePoints(const std::complex<double>* right, std::size_t shapes,
-                                       std::complex<double>* solution, std::span<double> scratch,
+void PackedFactor<Scalar>::SolvePoints(std::span<const PointSolve> shapes,
+                                       std::span<double> scratch,
                                        const PackedKernels& kernels) const {
-  const std::size_t n = size();
+  const std::size_t n = size(), count = shapes.size();
   double* x = Rows(scratch);
   auto* rows = reinterpret_cast<std::complex<double>*>(x);
-  for (std::size_t begin = 0; begin < shapes;) {
-    const std::size_t take = std::min<std::size_t>(shapes - begin, 2);
-    for (std::size_t c = 0; c < take; ++c) {
-      const std::complex<double>* column = right + (begin + c) * n;
-      for (std::size_t k = 0; k < n; ++k) {
-        rows[k * take + c] = column[static_cast<std::size_t>(order_[k])] + std::complex<double>(0);
-      }
+  for (std::size_t c = 0; c < count; ++c) {
+    const std::complex<double>* column = shapes[c].right;
+    for (std::size_t k = 0; k < n; ++k) {
+      rows[k * count + c] = column[static_cast<std::size_t>(order_[k])] + std::complex<double>(0);
     }
-    (take == 1 ? kernels.real2 : kernels.real4)(panels_, x);
-    for (std::size_t c = 0; c < take; ++c) {
-      std::complex<double>* column = solution + (begin + c) * n;
-      for (std::size_t k = 0; k < n; ++k) {
-        column[static_cast<std::size_t>(order_[k])] = rows[k * take + c];
-      }
+  }
+  (count == 1 ? kernels.real2 : kernels.real4)(panels_, x);
+  for (std::size_t c = 0; c < count; ++c) {
+    std::complex<double>* column = shapes[c].solution;
+    for (std::size_t k = 0; k < n; ++k) {
+      column[static_cast<std::size_t>(order_[k])] = rows[k * count + c];
     }
-    begin += take;
   }
 }
 

@@ -25,6 +25,12 @@ struct Supernodes {
   std::span<const int> order;  // P: row k of the factor is row order[k] of A
 };
 
+// The points of a shape as a right-hand side, and where its solution goes; #n of each.
+struct PointSolve {
+  const std::complex<double>* right = nullptr;
+  std::complex<double>* solution = nullptr;
+};
+
 // Scalar is double or std::complex<double>. Immutable: may be shared by threads, each with a
 // scratch of its own.
 template <class Scalar>
@@ -49,10 +55,9 @@ class PackedFactor {
   void Solve(const Scalar* right, std::size_t columns, Scalar* solution, std::span<double> scratch,
              const PackedKernels& kernels = SolveKernels()) const;
 
-  // For a real factor, the same for the x and the y of shapes (#n points each, one after the other):
-  // a shape has the bytes that Solve gives its two columns.
-  void SolvePoints(const std::complex<double>* right, std::size_t shapes,
-                   std::complex<double>* solution, std::span<double> scratch,
+  // For a real factor, the same for the x and the y of one shape or two: each has the bytes that
+  // Solve gives its two columns.
+  void SolvePoints(std::span<const PointSolve> shapes, std::span<double> scratch,
                    const PackedKernels& kernels = SolveKernels()) const;
 
  private:

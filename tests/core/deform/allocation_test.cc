@@ -57,6 +57,17 @@ TEST(AllocationTest, AWarmUpdateDoesNotAllocate) {
         ASSERT_TRUE(deformer.Update(others, {DeformMode::kSimilarity, 0}).has_value());
       }
       EXPECT_EQ(allocations - before, 0) << handles << " handles";
+
+      Deformer second(set);
+      ASSERT_TRUE(second.Update(targets).has_value());
+      const long before_both = allocations;
+      for (int i = 0; i < 3; ++i) {
+        JointFrame one{deformer, others, {DeformMode::kRigid, 2}, {}, {}};
+        JointFrame other{second, targets, {}, {}, {}};
+        UpdateTogether(one, other);
+        ASSERT_TRUE(one.quality && other.quality);
+      }
+      EXPECT_EQ(allocations - before_both, 0) << handles << " handles";
     }
   }
 }

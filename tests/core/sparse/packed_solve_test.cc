@@ -217,7 +217,15 @@ TEST(PackedSolvePointsTest, GivesTheBytesOfTwoColumns) {
   constexpr std::size_t kShapes = 3;
   auto points = Numbers<std::complex<double>>(kShapes * n, 4);
   points[3] = points[n + 1] = {-0.0, -0.0};
-  Workspace w1, w2;
+  Workspace w1, w2, w3;
+  // Two that lie apart, in either order.
+  for (const std::size_t first : {0u, 1u}) {
+    const auto one = std::span(points).subspan(first * n, n);
+    const auto other = std::span(points).subspan((1 - first) * n, n);
+    const auto [x, y] = (*packed)->SolveBoth(one, w1, other, w2);
+    EXPECT_TRUE(SameBytes(x, (*packed)->SolvePoints(one, 1, w3)));
+    EXPECT_TRUE(SameBytes(y, (*packed)->SolvePoints(other, 1, w3)));
+  }
   for (std::size_t shapes = 1; shapes <= kShapes; ++shapes) {
     const auto all = (*packed)->SolvePoints(std::span(points).first(shapes * n), shapes, w1);
     ASSERT_EQ(all.size(), shapes * n);

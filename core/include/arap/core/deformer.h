@@ -16,6 +16,8 @@
 
 namespace arap {
 
+struct JointFrame;
+
 // What Update says of a single target, for who keeps targets before they are used: kNonFiniteTarget,
 // kInvalidOption (scale), with the field "array[index]…" and the detail "handle_id". Allocates
 // nothing for a good one.
@@ -65,8 +67,30 @@ class Deformer {
   const std::shared_ptr<const CompiledHandles>& handles() const;
 
  private:
+  friend void UpdateTogether(JointFrame& one, JointFrame& other);
+
   class Scratch;
   std::unique_ptr<Scratch> scratch_;
 };
+
+// A frame of one Deformer that is computed together with that of another.
+struct JointFrame {
+  Deformer& deformer;
+  std::span<const Target> targets;
+  DeformOptions options;
+  CancelToken cancel;
+  Result<ShapeQuality> quality;  // as Update answers it
+};
+
+// Update of two different Deformers at once, in lane 0 of each: where both go through one factor,
+// that is read once for both, as for two sets of one mesh that were not factored together with it.
+// Each has the bytes and the faults that it has alone, and the fault of one is none of the other's;
+// the options need not be equal. No heap allocation once both are warm. After a std::bad_alloc the
+// positions of both are as before, or of this update.
+void UpdateTogether(JointFrame& one, JointFrame& other);
+
+// Names the factor that UpdateTogether reads once for two sets with the same name. Null where that
+// does not pay, because the factor is small. Valid for as long as one of the sets lives.
+const void* SharedFactor(const CompiledHandles& handles);
 
 }  // namespace arap
