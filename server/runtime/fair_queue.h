@@ -35,7 +35,7 @@ struct Share {
 //   - Who comes back after a pause counts as served as much as the one whose turn it is, so that
 //     nobody saves up turns; and at most kMostDebt more, so that what somebody took when nobody
 //     else wanted it is soon forgotten.
-// Push, Pop and Charge take O(log n), and Pop of short work O(n).
+// Push, Pop and Charge take O(log n), and Pop of short work and PopWhere O(n).
 template <class T>
 class FairQueue {
  public:
@@ -83,12 +83,17 @@ class FairQueue {
 
   // The next entry that is expected to take at most so many seconds.
   std::optional<Entry> Pop(double most = std::numeric_limits<double>::infinity()) {
+    return PopWhere([most](const Entry& entry) { return entry.share.seconds <= most; });
+  }
+
+  // The next of those entries that `fits` says yes of.
+  template <class Fits>
+  std::optional<Entry> PopWhere(Fits fits) {
     for (Owner* owner : ready_) {
       for (Flow* flow : owner->ready) {
-        const auto fits =
-            std::find_if(flow->waiting.begin(), flow->waiting.end(),
-                         [&](const auto& each) { return each.second.entry.share.seconds <= most; });
-        if (fits != flow->waiting.end()) return Take(*owner, *flow, fits);
+        const auto found = std::find_if(flow->waiting.begin(), flow->waiting.end(),
+                                        [&](const auto& each) { return fits(each.second.entry); });
+        if (found != flow->waiting.end()) return Take(*owner, *flow, found);
       }
     }
     return std::nullopt;

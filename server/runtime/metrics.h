@@ -45,6 +45,8 @@ inline constexpr MetricInfo kQueueSeconds{"arapd_queue_seconds",
 inline constexpr MetricInfo kQueueLength{"arapd_queue_length", "Jobs that wait for a worker."};
 inline constexpr MetricInfo kJobsRunning{"arapd_jobs_running", "Jobs that run."};
 inline constexpr MetricInfo kJobs{"arapd_jobs_total", "Jobs that have ended."};
+inline constexpr MetricInfo kTakenAlong{
+    "arapd_taken_along_total", "Frames that were computed together with another stream's."};
 inline constexpr MetricInfo kGaveWay{"arapd_gave_way_total", "How often jobs waited for frames."};
 inline constexpr MetricInfo kBusySeconds{"arapd_busy_seconds_total",
                                          "Time that workers spent on jobs, of all threads."};

@@ -32,12 +32,15 @@ struct WorkerPool::Worker {
   std::size_t thread;
   Place place = Place::kAny;
   Share share{};
-  Time since{};          // the job waited for its first turn
-  Time turn{};           // when its turn began
-  CpuTimer processor{};  // since it was last charged
-  Time clock{};          // likewise
-  double used = 0;       // seconds
-  double paid = 0;       // of these, charged or charged before
+  const void* reads = nullptr;   // see Company
+  std::optional<Share> along{};  // of the job that was taken along
+  double along_paid = 0;         // charged before it was used
+  Time since{};                  // the job waited for its first turn
+  Time turn{};                   // when its turn began
+  CpuTimer processor{};          // since it was last charged
+  Time clock{};                  // likewise
+  double used = 0;               // seconds
+  double paid = 0;               // of these, charged or charged before
   Time next_giving_way{};
 };
 
@@ -51,6 +54,11 @@ void GiveWay() {
   if (pool.options_.gives_way_to != nullptr) {
     pool.GiveWayTo(*pool.options_.gives_way_to, *worker);
   }
+}
+
+std::shared_ptr<void> TakeAlong() {
+  WorkerPool::Worker* worker = WorkerPool::this_worker;
+  return worker == nullptr ? nullptr : worker->pool.TakeAlong(*worker);
 }
 
 WorkerPool::WorkerPool(PoolOptions options)
@@ -71,20 +79,20 @@ WorkerPool::WorkerPool(std::size_t threads, std::size_t queue)
 WorkerPool::~WorkerPool() { Stop(); }
 
 bool WorkerPool::TryPost(Job job, Share share) {
-  return Post(std::move(job), std::move(share), true);
+  return Post({std::move(job)}, std::move(share), true);
 }
 
-bool WorkerPool::Continue(Job job, Share share) {
-  return Post(std::move(job), std::move(share), false);
+bool WorkerPool::Continue(Job job, Share share, Company company) {
+  return Post({std::move(job), nullptr, std::move(company)}, std::move(share), false);
 }
 
-bool WorkerPool::Post(Job job, Share share, bool counted) {
+bool WorkerPool::Post(Posted posted, Share share, bool counted) {
   {
     const MutexLock lock(&mutex_);
     if (stopped_ || (counted && !queue_.HasRoom(share.owner, options_.queue))) return false;
     const bool has_place =
         HasPlaceLocked() || (share.seconds <= options_.short_seconds && HasShortPlaceLocked());
-    queue_.Push({std::move(share), steady_clock::now(), {std::move(job)}}, counted);
+    queue_.Push({std::move(share), steady_clock::now(), std::move(posted)}, counted);
     // Else whoever ends next takes it.
     if (!has_place) return true;
   }
@@ -122,6 +130,7 @@ PoolStats WorkerPool::stats() const {
   stats.waiting = queue_.size();
   stats.running = running_;
   stats.completed = completed_;
+  stats.taken_along = taken_along_;
   stats.gave_way = gave_way_;
   stats.busy = busy_;
   for (const std::optional<Running>& job : jobs_) {
@@ -195,6 +204,8 @@ std::optional<WorkerPool::Queue::Entry> WorkerPool::Take(Worker& worker) {
   const Time now = steady_clock::now();
   jobs_[worker.thread] = Running{now, next->share.seconds};
   worker.share = next->share;
+  worker.reads = next->item.company.reads;
+  worker.along.reset();
   worker.since = next->since;
   worker.turn = worker.clock = now;
   worker.processor.Lap();
@@ -211,9 +222,11 @@ void WorkerPool::ChargeLocked(Worker& worker) {
   const Time now = steady_clock::now();
   const std::chrono::duration<double> passed = now - std::exchange(worker.clock, now);
   const double processor = worker.processor.Lap() * 1e-3;
-  worker.used += options_.waits ? passed.count() : processor;
+  const double spent = (options_.waits ? passed.count() : processor) / (worker.along ? 2 : 1);
+  worker.used += spent;
   queue_.Charge(worker.share, worker.used - worker.paid);
   worker.paid = worker.used;
+  if (worker.along) queue_.Charge(*worker.along, spent - std::exchange(worker.along_paid, 0));
 }
 
 void WorkerPool::LeaveLocked(Place place) {
@@ -228,7 +241,7 @@ void WorkerPool::Finished(Worker& worker) {
     LeaveLocked(worker.place);
     last_finish_ = steady_clock::now();
     busy_ += last_finish_ - std::exchange(jobs_[worker.thread], std::nullopt)->since;
-    ++completed_;
+    completed_ += worker.along ? 2u : 1u;
     // Those that wait for the last job to end.
     if (stopped_) wake_.SignalAll();
     if (!HasFreeThread()) return;
@@ -259,6 +272,39 @@ void WorkerPool::TakeTurns(Worker& worker) {
   worker.paid += Queue::Paid(worker.share);
   worker.turn = worker.clock = steady_clock::now();
   jobs_[worker.thread] = Running{worker.turn, worker.share.seconds};
+}
+
+std::shared_ptr<void> WorkerPool::TakeAlong(Worker& worker) {
+  std::optional<Queue::Entry> taken;
+  bool wakes = false;
+  {
+    const MutexLock lock(&mutex_);
+    if (worker.reads == nullptr || worker.along || worker.place == Place::kShort ||
+        HasPlaceLocked()) {
+      return nullptr;
+    }
+    // Short work waits for its like only.
+    const bool takes_short =
+        worker.share.seconds <= options_.short_seconds && !HasShortPlaceLocked();
+    taken = queue_.PopWhere([&](const Queue::Entry& entry) {
+      return entry.item.company.reads == worker.reads &&
+             (takes_short || entry.share.seconds > options_.short_seconds);
+    });
+    if (!taken) return nullptr;
+    ChargeLocked(worker);
+    worker.along = taken->share;
+    worker.along_paid = Queue::Paid(taken->share);
+    ++taken_along_;
+    // Both together may be a long job, beside which there is a place for short ones.
+    jobs_[worker.thread]->seconds += taken->share.seconds;
+    wakes = !queue_.empty() && HasShortPlaceLocked();
+  }
+  if (wakes) wake_.Signal();
+  if (options_.metrics != nullptr) {
+    const std::chrono::duration<double> waited = steady_clock::now() - taken->since;
+    options_.metrics->Queue(options_.name, waited.count());
+  }
+  return std::move(taken->item.company.work);
 }
 
 void WorkerPool::GiveWayTo(WorkerPool& others, Worker& worker) {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -46,11 +47,27 @@ struct PoolOptions {
 void GiveWay();
 inline constexpr std::chrono::milliseconds kGiveWay{5};
 
+// What a job can be done along with: another one that reads the same memory, for both together take
+// less than one after the other.
+struct Company {
+  const void* reads = nullptr;  // null: the job is done alone
+  std::shared_ptr<void> work;   // what the other one needs to know to do it along
+};
+
+// For a job with company, before it begins: takes out of the queue the next job that reads the same
+// and would go on waiting, because no thread of the pool is free for it, and answers its `work`; null
+// when there is none. Whoever gets it does all of that work, which is no job of its own any more: both
+// owners are charged half of what the running job takes from now on. Once per job. A long job takes no
+// short one along, and one in the place of the short ones takes none: what is short waits for one of
+// its kind at most.
+std::shared_ptr<void> TakeAlong();
+
 // What a pool is doing and has done.
 struct PoolStats {
   std::size_t waiting = 0;
   std::size_t running = 0;
-  std::uint64_t completed = 0;
+  std::uint64_t completed = 0;                     // also those that were taken along
+  std::uint64_t taken_along = 0;                   // by other jobs, see TakeAlong
   std::uint64_t gave_way = 0;                      // how often its jobs have waited in GiveWay
   std::chrono::duration<double> busy{};            // of all threads, running jobs included
   std::chrono::duration<double> oldest_running{};  // how long the longest job runs, 0 for none
@@ -58,8 +75,8 @@ struct PoolStats {
   std::chrono::duration<double> since_finish{};    // since a job ended, or since the start
 };
 
-// Thread-safe. Every accepted job runs exactly once, also when the pool is stopped meanwhile. A job
-// must not throw and must not wait for another job of its pool.
+// Thread-safe. Every accepted job runs exactly once, unless it is taken along, also when the pool is
+// stopped meanwhile. A job must not throw and must not wait for another job of its pool.
 class WorkerPool {
  public:
   using Job = std::function<void()>;
@@ -83,7 +100,8 @@ class WorkerPool {
 
   // The next piece of work that was accepted before, a frame of a stream or a track: not refused for
   // a full queue. Who uses it keeps at most one such job waiting. False only after Stop.
-  [[nodiscard]] bool Continue(Job job, Share share = {});
+  // The job does not run when another one takes its company along.
+  [[nodiscard]] bool Continue(Job job, Share share = {}, Company company = {});
 
   // What another job of this owner would find now.
   Outlook OutlookOf(const std::string& owner) const;
@@ -103,6 +121,7 @@ class WorkerPool {
 
  private:
   friend void GiveWay();
+  friend std::shared_ptr<void> TakeAlong();
   using Time = std::chrono::steady_clock::time_point;
   enum class Place { kAny, kShort };
   // A job that stands aside in its thread.
@@ -114,6 +133,7 @@ class WorkerPool {
   struct Posted {
     Job job;
     Aside* aside = nullptr;  // instead of a job
+    Company company{};
   };
   using Queue = FairQueue<Posted>;
   struct Running {
@@ -122,7 +142,7 @@ class WorkerPool {
   };
   struct Worker;
 
-  bool Post(Job job, Share share, bool counted);
+  bool Post(Posted posted, Share share, bool counted);
   void Run(std::size_t thread);
   // Waits for work; nothing when there is none and the pool has stopped.
   std::optional<Queue::Entry> Take(Worker& worker);
@@ -134,6 +154,7 @@ class WorkerPool {
   void ChargeLocked(Worker& worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void LeaveLocked(Place place) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeTurns(Worker& worker);
+  std::shared_ptr<void> TakeAlong(Worker& worker);
   void GiveWayTo(WorkerPool& others, Worker& worker);
   bool HasFreeThread() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
@@ -151,6 +172,7 @@ class WorkerPool {
   std::size_t running_ ABSL_GUARDED_BY(mutex_) = 0;        // jobs, those aside left out
   std::size_t running_short_ ABSL_GUARDED_BY(mutex_) = 0;  // of these, in the place of short ones
   std::uint64_t completed_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::uint64_t taken_along_ ABSL_GUARDED_BY(mutex_) = 0;
   std::uint64_t gave_way_ ABSL_GUARDED_BY(mutex_) = 0;
   // Of the jobs that have ended.
   std::chrono::steady_clock::duration busy_ ABSL_GUARDED_BY(mutex_){};

@@ -210,5 +210,18 @@ TEST_F(FairQueueTest, ThousandsThatCameOnceAreForgottenAndEveryEntryComesOnce) {
   EXPECT_EQ(popped, pushed);
 }
 
+TEST_F(FairQueueTest, TheNextOfAKindIsTakenOutOfTurn) {
+  Push("ann", 1, 0.01, "a1");
+  Push("ann", 2, 0.01, "b2");
+  Push("ben", 0, 0.01, "b3");
+  const auto is_b = [](const Queue::Entry& entry) { return entry.item[0] == 'b'; };
+  EXPECT_EQ(queue_.PopWhere(is_b)->item, "b2") << "ann has come first";
+  EXPECT_EQ(queue_.PopWhere(is_b)->item, "b3");
+  EXPECT_FALSE(queue_.PopWhere(is_b).has_value());
+  EXPECT_EQ(queue_.size(), 1u);
+  Push("ann", 2, 0.01, "b4");
+  EXPECT_EQ(Next(), "a1") << "the other stream was served more";
+}
+
 }  // namespace
 }  // namespace arap::runtime

@@ -15,33 +15,13 @@
 #include <unistd.h>
 
 #include "server/runtime/metrics.h"
+#include "tests/server/runtime/blocker.h"
 #include "tests/support/bounded.h"
 
 namespace arap::runtime {
 namespace {
 
 using std::chrono::milliseconds;
-
-constexpr std::chrono::seconds kPatience{60};
-constexpr auto kReady = std::future_status::ready;
-
-// Keeps one worker busy until opened.
-class Blocker {
- public:
-  explicit Blocker(WorkerPool& pool) {
-    auto started = started_.get_future();
-    EXPECT_TRUE(pool.TryPost([this, open = open_.get_future().share()] {
-      started_.set_value();
-      EXPECT_EQ(open.wait_for(kPatience), std::future_status::ready) << "nobody opens it";
-    }));
-    EXPECT_EQ(started.wait_for(kPatience), std::future_status::ready) << "no worker is free";
-  }
-  void Open() { open_.set_value(); }
-
- private:
-  std::promise<void> started_;
-  std::promise<void> open_;
-};
 
 TEST(WorkerPoolTest, RunsJobsInTheOrderOfPosting) {
   WorkerPool pool(1, 100);
