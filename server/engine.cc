@@ -35,6 +35,8 @@ void WatchLane(runtime::Metrics& metrics, const runtime::WorkerPool& pool) {
         [](const Stats& stats) { return static_cast<double>(stats.running); });
   watch(metric::kJobs, Kind::kCounter,
         [](const Stats& stats) { return static_cast<double>(stats.completed); });
+  watch(metric::kTakenAlong, Kind::kCounter,
+        [](const Stats& stats) { return static_cast<double>(stats.taken_along); });
   watch(metric::kGaveWay, Kind::kCounter,
         [](const Stats& stats) { return static_cast<double>(stats.gave_way); });
   watch(metric::kBusySeconds, Kind::kCounter,

@@ -27,8 +27,8 @@ Status CheckOptions(const DeformOptions& options) {
   return {};
 }
 
-// Of a factor with more bytes one pass for two frames takes less than two passes; a smaller one is
-// still near the processor the second time. docs/performance.md §2 has what was measured.
+// From so many bytes on one pass for two frames saves a tenth of their time; a smaller factor is
+// still near the processor when it is read again. docs/performance.md §2 has what was measured.
 constexpr std::size_t kSharedFactorBytes = 8'000'000;
 
 // How often step 2 is taken.

@@ -1,5 +1,6 @@
 #include "server/rpc/convert.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <string>
@@ -17,6 +18,7 @@
 #include "server/sessions/handle_sets.h"
 #include "server/sessions/meshes.h"
 #include "server/streams/live_set.h"
+#include "server/streams/stream_policy.h"
 
 namespace arap::rpc {
 
@@ -121,6 +123,40 @@ Result<std::vector<Target>> FromWire(const v1::DeformTrackRequest& request, std:
     if (!good) return Fail(std::move(good.error().Detail("frame", frame).Field(path)));
   }
   return targets;
+}
+
+app::StreamMessage FromWire(const v1::StreamDeformRequest& request, const Limits& limits) {
+  using Request = v1::StreamDeformRequest;
+  app::StreamMessage out;
+  out.bytes = request.ByteSizeLong();
+  if (out.bytes > limits.max_message_bytes) return out;
+  switch (request.payload_case()) {
+    case Request::kOpen:
+      out.payload = app::StreamMessage::Open{};
+      break;
+    case Request::kUpdate: {
+      const v1::HandleUpdate& update = request.update();
+      out.payload = app::StreamMessage::Update{
+          update.sequence(), FromWire(update.targets()),
+          std::span(update.positions().data(), static_cast<std::size_t>(update.positions_size())),
+          PicksFromWire(update.pick_points()), update.measure()};
+      break;
+    }
+    case Request::kEdit: {
+      const auto& add = request.edit().add();
+      out.payload = app::StreamMessage::Edit{
+          request.edit().sequence(), static_cast<std::size_t>(add.size()),
+          std::any_of(add.begin(), add.end(),
+                      [](const v1::Handle& handle) { return handle.area_radius() != 0; })};
+      break;
+    }
+    case Request::kPing:
+      out.payload = app::StreamMessage::Ping{request.ping().nonce()};
+      break;
+    case Request::PAYLOAD_NOT_SET:
+      break;
+  }
+  return out;
 }
 
 Result<ShapeOptions> FromWire(const v1::DeformOptions& options, const Limits& limits,

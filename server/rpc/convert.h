@@ -31,12 +31,14 @@ class FlattenRequest;
 class HandleSetInfo;
 class Job;
 class Session;
+class StreamDeformRequest;
 }  // namespace arap::v1
 namespace arap::app {
 struct HandleSetEntry;
 class LiveSet;
 struct JobView;
 struct MeshEntry;
+struct StreamMessage;
 }  // namespace arap::app
 
 namespace arap::rpc {
@@ -73,6 +75,9 @@ std::vector<app::NamedTarget> FromWire(
 // column. kArrayLength and the faults of CheckTarget, with fields under "frames[frame]".
 Result<std::vector<Target>> FromWire(const v1::DeformTrackRequest& request, std::size_t frame,
                                      const std::vector<std::size_t>& order);
+
+// A message of a stream as the policy sees it. What it points to stays in `request`.
+app::StreamMessage FromWire(const v1::StreamDeformRequest& request, const Limits& limits);
 
 // How to deform and what to answer.
 struct ShapeOptions {

@@ -32,41 +32,6 @@ struct Answer final : app::WireAnswer {
   v1::StreamDeformResponse message;
 };
 
-// The policy's view of a message: what it points to stays in `request`.
-app::StreamMessage View(const v1::StreamDeformRequest& request, const Limits& limits) {
-  using Request = v1::StreamDeformRequest;
-  app::StreamMessage out;
-  out.bytes = request.ByteSizeLong();
-  if (out.bytes > limits.max_message_bytes) return out;
-  switch (request.payload_case()) {
-    case Request::kOpen:
-      out.payload = app::StreamMessage::Open{};
-      break;
-    case Request::kUpdate: {
-      const v1::HandleUpdate& update = request.update();
-      out.payload = app::StreamMessage::Update{
-          update.sequence(), FromWire(update.targets()),
-          std::span(update.positions().data(), static_cast<std::size_t>(update.positions_size())),
-          PicksFromWire(update.pick_points()), update.measure()};
-      break;
-    }
-    case Request::kEdit: {
-      const auto& add = request.edit().add();
-      out.payload = app::StreamMessage::Edit{
-          request.edit().sequence(), static_cast<std::size_t>(add.size()),
-          std::any_of(add.begin(), add.end(),
-                      [](const v1::Handle& handle) { return handle.area_radius() != 0; })};
-      break;
-    }
-    case Request::kPing:
-      out.payload = app::StreamMessage::Ping{request.ping().nonce()};
-      break;
-    case Request::PAYLOAD_NOT_SET:
-      break;
-  }
-  return out;
-}
-
 // Reactions, jobs, End and Sweep may run in parallel. Each tells the policy what has happened and
 // pumps: does what the policy says next. Jobs and drains hold a shared pointer, so that nothing is
 // deleted under them.
@@ -165,7 +130,7 @@ class StreamReactor final
     } else {
       policy_.End(std::move(room.error()));
     }
-    policy_.MessageRead(View(incoming_, engine_.limits));
+    policy_.MessageRead(FromWire(incoming_, engine_.limits));
   }
 
   void Pump() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
@@ -231,7 +196,12 @@ class StreamReactor final
     auto run = [self = shared_from_this(), job] { (self.get()->*job)(); };
     // Every stream has its own turn among those of its owner.
     const runtime::Share share{caller_.owner, reinterpret_cast<std::uintptr_t>(this), job_.seconds};
-    return goes_on ? pool.Continue(std::move(run), share) : pool.TryPost(std::move(run), share);
+    if (!goes_on) return pool.TryPost(std::move(run), share);
+    runtime::Company company;
+    if (lane == Lane::kFrames && job_.work == app::StreamJob::Work::kUpdate) {
+      company = {SharedFactor(*live_->entry().handles), shared_from_this()};
+    }
+    return pool.Continue(std::move(run), share, std::move(company));
   }
 
   // The bodies of the jobs, without mutex_.
@@ -302,20 +272,46 @@ class StreamReactor final
     return {};
   }
 
+  // Also the frame of another stream of the mesh that waits, when there is one: two frames in one
+  // pass over the factor take less than two passes.
   void RunUpdate() {
-    const double queue_micros = job_.waiting.Micros();
+    const auto other = std::static_pointer_cast<StreamReactor>(runtime::TakeAlong());
+    const double queued = job_.waiting.Micros();
     const runtime::WallTimer working;
     CpuTimer processor;
+    if (other == nullptr) {
+      auto quality = OrOutOfMemory([this] {
+        return live_->Move(job_.targets, JobOptions(), engine_.metrics, CancelTokenOf(context_));
+      });
+      return AnswerUpdate(std::move(quality), {queued, working}, processor.Lap());
+    }
+    const double other_queued = other->job_.waiting.Micros();
+    JointFrame ours = NextFrame(), theirs = other->NextFrame();
+    app::LiveSet::MoveTogether(ours, theirs, engine_.metrics);
+    const double each = processor.Lap() / 2;
+    AnswerUpdate(std::move(ours.quality), {queued, working, 2}, each);
+    other->AnswerUpdate(std::move(theirs.quality), {other_queued, working, 2}, each);
+  }
+
+  DeformOptions JobOptions() const {
+    DeformOptions options = options_.deform;
+    options.measure_every = job_.measure ? 1 : 0;
+    return options;
+  }
+  JointFrame NextFrame() {
+    return live_->FrameOf(job_.targets, JobOptions(), CancelTokenOf(context_));
+  }
+
+  // The shape that live_ has now, of this quality, after so many milliseconds of the processor.
+  void AnswerUpdate(Result<ShapeQuality> quality, const ShapeTimes& times, double milliseconds) {
+    CpuTimer processor;
     auto answer = std::make_unique<Answer>();
-    const CancelToken cancel = CancelTokenOf(context_);
     const Status made = OrOutOfMemory([&]() -> Status {
-      DeformOptions deform = options_.deform;
-      deform.measure_every = job_.measure ? 1 : 0;
-      TRY(const auto quality, live_->Move(job_.targets, deform, engine_.metrics, cancel));
-      return ToWire(*live_, quality, options_, job_.picks, cancel, {queue_micros, working},
+      if (!quality) return Fail(std::move(quality).error());
+      return ToWire(*live_, *quality, options_, job_.picks, CancelTokenOf(context_), times,
                     answer->message.mutable_shape());
     });
-    const double took = processor.Lap() * 1e-3;
+    const double took = (milliseconds + processor.Lap()) * 1e-3;
     const MutexLock lock(&mutex_);
     policy_.FrameTook(took);
     made ? policy_.Moved(std::move(answer)) : policy_.Failed(made.error());

@@ -162,7 +162,7 @@ class TrackReactor final : public LongAnswer<v1::DeformTrackRequest, v1::DeformT
       views[i] = targets[i];
     }
     auto moved = live_->MoveMany(std::span(views).first(count), options_.deform, qualities, first,
-                                 engine_.metrics);
+                                 engine_.metrics, cancel_);
     if (!moved) return Fail(AtFrame(std::move(moved.error()), first));
     std::vector<v1::DeformTrackResponse> responses(count);
     for (std::size_t i = 0; i < count; ++i) {

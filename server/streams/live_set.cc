@@ -92,12 +92,28 @@ Result<ShapeQuality> LiveSet::Move(std::span<const Target> targets, const Deform
 
 Status LiveSet::MoveMany(std::span<const std::span<const Target>> targets,
                          const DeformOptions& options, std::span<ShapeQuality> qualities,
-                         std::size_t first, runtime::Metrics& metrics) {
+                         std::size_t first, runtime::Metrics& metrics, const CancelToken& cancel) {
   const runtime::WallTimer working;
-  CHECK_OK(deformer_.UpdateMany(targets, options, qualities, {}, first));
+  CHECK_OK(deformer_.UpdateMany(targets, options, qualities, cancel, first));
   const double each = working.Micros() * 1e-6 / static_cast<double>(targets.size());
   for (std::size_t i = 0; i < targets.size(); ++i) metrics.Phase(runtime::Phase::kTrack, each);
   return {};
+}
+
+void LiveSet::MoveTogether(JointFrame& one, JointFrame& other, runtime::Metrics& metrics) {
+  const runtime::WallTimer working;
+  const auto moved = OrOutOfMemory([&]() -> Status {
+    UpdateTogether(one, other);
+    return {};
+  });
+  for (JointFrame* frame : {&one, &other}) {
+    // The memory that one lacks is no fault of the other's.
+    if (!moved) {
+      frame->quality = OrOutOfMemory(
+          [&] { return frame->deformer.Update(frame->targets, frame->options, frame->cancel); });
+    }
+    if (frame->quality) metrics.Phase(runtime::Phase::kFrame, working.Micros() * 1e-6 / 2);
+  }
 }
 
 Result<EditedSet> LiveSet::Edited(const std::vector<std::string>& remove,

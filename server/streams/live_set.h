@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "arap/base/cancel.h"
@@ -40,7 +41,16 @@ class LiveSet {
 
   // The same for several shapes at once, one per lane at most: frames of a track, from `first` on.
   Status MoveMany(std::span<const std::span<const Target>> targets, const DeformOptions& options,
-                  std::span<ShapeQuality> qualities, std::size_t first, runtime::Metrics& metrics);
+                  std::span<ShapeQuality> qualities, std::size_t first, runtime::Metrics& metrics,
+                  const CancelToken& cancel);
+
+  // The same for two sets at once, see UpdateTogether: each has the shape and the faults that Move
+  // gives it.
+  JointFrame FrameOf(std::span<const Target> targets, const DeformOptions& options,
+                     CancelToken cancel) {
+    return {deformer_, targets, options, std::move(cancel), {}};
+  }
+  static void MoveTogether(JointFrame& one, JointFrame& other, runtime::Metrics& metrics);
 
   // The set after an edit, its shape computed. `targets` are the last ones of this set: handles
   // that stay keep theirs, an added one starts where the current shape has it. This set is not

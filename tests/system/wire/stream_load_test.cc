@@ -1,5 +1,8 @@
 // Streams on a server that is full.
+#include <cmath>
 #include <future>
+#include <string>
+#include <vector>
 
 #include "tests/support/bounded.h"
 #include "tests/system/wire/stream_fixture.h"
@@ -62,6 +65,79 @@ TEST_F(StreamTest, SlowReaderCostsOneFrameAndGetsTheNewest) {
   ReadUntil(stream, kUpdates);
   EXPECT_FALSE(stream.Read().has_value());
   EXPECT_TRUE(stream.Finish().ok());
+}
+
+// Two streams of a mesh that is large enough to share passes, on a server with one worker.
+class SharedPassTest : public StreamTest {
+ protected:
+  void SetUp() override {
+    StreamTest::SetUp();
+    ASSERT_TRUE(Register("s", "large", Grid(200, 200)).ok());
+    ASSERT_TRUE(Compile("s", "large", "one", {VertexHandle("a", 0), VertexHandle("b", 7)}).ok());
+    ASSERT_TRUE(Compile("s", "large", "other", {VertexHandle("a", 9), VertexHandle("b", 0)}).ok());
+  }
+
+  // What both are asked for is waiting before the worker is free.
+  void BothWait(DeformStream& one, double x, DeformStream& other, double y) {
+    runtime::WorkerPool& frames = host().engine().interactive;
+    PoolGate gate(frames);
+    ++round_;
+    one.Update(round_, {TargetAt("a", x, 1), TargetAt("b", 30, 2)});
+    other.Update(round_, {TargetAt("a", 3, y), TargetAt("b", 5, 2)});
+    EXPECT_TRUE(testing::Await("both wait", [&] { return frames.waiting() == 2; }));
+  }
+
+  std::uint64_t taken_along() { return host().engine().interactive.stats().taken_along; }
+
+  // Without what is measured anew every time.
+  static std::string Bytes(v1::Shape shape) {
+    shape.clear_sequence();
+    shape.clear_queue_micros();
+    shape.clear_solve_micros();
+    return shape.SerializeAsString();
+  }
+
+  std::uint64_t round_ = 0;
+};
+
+TEST_F(SharedPassTest, GivesEachStreamTheShapeThatItHasAlone) {
+  DeformStream one(deformation()), other(deformation());
+  one.Opened("s", "one", v1::DELIVERY_EVERY);
+  other.Opened("s", "other", v1::DELIVERY_LATEST);
+  BothWait(one, 4, other, 6);
+  const std::string together = Bytes(one.ReadShape()), beside = Bytes(other.ReadShape());
+  EXPECT_EQ(taken_along(), 1u);
+  EXPECT_EQ(host().engine().interactive.waiting(), 0u);
+
+  one.Update(2, {TargetAt("a", 4, 1)});
+  EXPECT_EQ(Bytes(one.ReadShape()), together);
+  other.Update(2, {TargetAt("a", 3, 6)});
+  EXPECT_EQ(Bytes(other.ReadShape()), beside);
+  EXPECT_EQ(taken_along(), 1u) << "nobody waited";
+}
+
+TEST_F(SharedPassTest, WhatHappensToOneIsNothingToTheOther) {
+  DeformStream one(deformation()), other(deformation());
+  one.Opened("s", "one", v1::DELIVERY_EVERY);
+  other.Opened("s", "other", v1::DELIVERY_EVERY);
+  BothWait(one, 1e308, other, 6);
+  ExpectError(one.ReadError().status(), grpc::OUT_OF_RANGE, "NUMERICAL");
+  EXPECT_EQ(other.ReadShape().sequence(), 1u);
+  EXPECT_EQ(taken_along(), 1u);
+  {
+    DeformStream leaving(deformation());
+    leaving.Opened("s", "one", v1::DELIVERY_EVERY);
+    runtime::WorkerPool& frames = host().engine().interactive;
+    PoolGate gate(frames);
+    other.Update(2, {TargetAt("a", 3, 7)});
+    EXPECT_TRUE(testing::Await("one waits", [&] { return frames.waiting() == 1; }));
+    leaving.Update(1, {TargetAt("a", 2, 2)});
+    EXPECT_TRUE(testing::Await("both wait", [&] { return frames.waiting() == 2; }));
+    leaving.Cancel();
+  }
+  EXPECT_EQ(other.ReadShape().sequence(), 2u);
+  EXPECT_TRUE(
+      testing::Await("the stream is gone", [&] { return host().engine().streams.count() == 2; }));
 }
 
 class StreamQuotaTest : public StreamTest {
