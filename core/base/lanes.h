@@ -21,14 +21,6 @@ using Lanes = typename LanesOf<kLanes>::Type;
 // A point.
 using Pair = Lanes<2>;
 
-ARAP_WIDE_BODY const Pair& PairAt(const double* points, std::size_t i) {
-  return *reinterpret_cast<const Pair*>(points + 2 * i);
-}
-// NOLINTNEXTLINE(readability-non-const-parameter)
-ARAP_WIDE_BODY Pair& PairAt(double* points, std::size_t i) {
-  return *reinterpret_cast<Pair*>(points + 2 * i);
-}
-
 // The first and the second numbers of pairs.
 ARAP_WIDE_BODY void Unzip(const Pair* pairs, Lanes<2>& x, Lanes<2>& y) {
   x = __builtin_shufflevector(pairs[0], pairs[1], 0, 2);
@@ -48,41 +40,57 @@ ARAP_WIDE_BODY void Unzip(const Pair* pairs, Lanes<8>& x, Lanes<8>& y) {
   y = __builtin_shufflevector(y0, y1, 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
-// points[at[0]], points[at[kStep]], …: several loads of two numbers are faster than the processors' own gathering.
-template <std::size_t kLanes, std::size_t kStep>
+// How the points of a shape are named: by their number, or by where their two numbers begin, which is twice that and
+// saves a shift for every load.
+enum class PointsBy { kNumber, kBegin };
+
+template <PointsBy kBy>
+ARAP_WIDE_BODY const Pair& PointAt(const double* points, std::int32_t at) {
+  constexpr std::size_t kApart = kBy == PointsBy::kNumber ? 2 : 1;
+  return *reinterpret_cast<const Pair*>(points + kApart * static_cast<std::size_t>(at));
+}
+template <PointsBy kBy>
+// NOLINTNEXTLINE(readability-non-const-parameter)
+ARAP_WIDE_BODY Pair& PointAt(double* points, std::int32_t at) {
+  constexpr std::size_t kApart = kBy == PointsBy::kNumber ? 2 : 1;
+  return *reinterpret_cast<Pair*>(points + kApart * static_cast<std::size_t>(at));
+}
+
+// Points at[0], at[kStep], …: several loads of two numbers are faster than the processors' own gathering.
+template <std::size_t kLanes, std::size_t kStep, PointsBy kBy>
 ARAP_WIDE_BODY void Gather(const double* points, const std::int32_t* at, Lanes<kLanes>& x,
                            Lanes<kLanes>& y) {
   Pair pairs[kLanes];
 #pragma GCC unroll 8
   for (std::size_t k = 0; k < kLanes; ++k) {
-    pairs[k] = PairAt(points, static_cast<std::size_t>(at[k * kStep]));
+    pairs[k] = PointAt<kBy>(points, at[k * kStep]);
   }
   Unzip(pairs, x, y);
 }
 
-// Vectors from one point to several others, `count` times: x[e][k] := points[to[e][k]].x − points[from[k]].x, and y
-// alike. Indices are kStep apart.
-template <std::size_t kLanes, std::size_t kStep, std::size_t kEdges>
+// Vectors from one point to several others, `count` times: x[e][k] := x of point to[e][k] − x of point from[k], and y
+// alike. What names the points is kStep apart.
+template <std::size_t kLanes, std::size_t kStep, PointsBy kBy, std::size_t kEdges>
 ARAP_WIDE_BODY void GatherEdges(const double* points, const std::int32_t* from,
                                 const std::int32_t* const (&to)[kEdges], std::size_t count,
                                 double* const (&x)[kEdges], double* const (&y)[kEdges]) {
   std::size_t k = 0;
   for (; k + kLanes <= count; k += kLanes) {
     Lanes<kLanes> from_x, from_y;
-    Gather<kLanes, kStep>(points, from + k * kStep, from_x, from_y);
+    Gather<kLanes, kStep, kBy>(points, from + k * kStep, from_x, from_y);
 #pragma GCC unroll 3
     for (std::size_t e = 0; e < kEdges; ++e) {
       Lanes<kLanes> to_x, to_y;
-      Gather<kLanes, kStep>(points, to[e] + k * kStep, to_x, to_y);
+      Gather<kLanes, kStep, kBy>(points, to[e] + k * kStep, to_x, to_y);
       *reinterpret_cast<Lanes<kLanes>*>(x[e] + k) = to_x - from_x;
       *reinterpret_cast<Lanes<kLanes>*>(y[e] + k) = to_y - from_y;
     }
   }
   for (; k < count; ++k) {
-    const Pair start = PairAt(points, static_cast<std::size_t>(from[k * kStep]));
+    const Pair start = PointAt<kBy>(points, from[k * kStep]);
 #pragma GCC unroll 3
     for (std::size_t e = 0; e < kEdges; ++e) {
-      const Pair edge = PairAt(points, static_cast<std::size_t>(to[e][k * kStep])) - start;
+      const Pair edge = PointAt<kBy>(points, to[e][k * kStep]) - start;
       x[e][k] = edge[0];
       y[e][k] = edge[1];
     }

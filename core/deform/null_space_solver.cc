@@ -35,7 +35,7 @@ Status SolveRows(const Factor<Scalar>& factor, const std::vector<Row>& rows,
   return {};
 }
 
-// How many columns are added in one pass over the shape.
+// How many columns are added up before the shape gets their sum.
 constexpr std::size_t kColumnGroup = 4;
 
 // One column (#V) and what it is multiplied with.
@@ -44,22 +44,42 @@ struct ScaledColumn {
   Complex factor;
 };
 
-ARAP_WIDE_BODY void AddFour(const ScaledColumn* c, std::size_t begin, std::size_t end,
-                            double* shape) {
-  const double *z0 = c[0].values, *z1 = c[1].values, *z2 = c[2].values, *z3 = c[3].values;
-  const double x0 = c[0].factor.real(), x1 = c[1].factor.real(), x2 = c[2].factor.real(),
-               x3 = c[3].factor.real();
-  const double y0 = c[0].factor.imag(), y1 = c[1].factor.imag(), y2 = c[2].factor.imag(),
-               y3 = c[3].factor.imag();
+// Adds groups of columns one after the other, in one pass over the shape.
+template <std::size_t kGroups>
+ARAP_WIDE_BODY void AddGroups(const ScaledColumn* c, std::size_t begin, std::size_t end,
+                              double* shape) {
+  constexpr std::size_t kColumns = kGroups * kColumnGroup;
+  const double* z[kColumns];
+  double fx[kColumns], fy[kColumns];
+  for (std::size_t i = 0; i < kColumns; ++i) {
+    z[i] = c[i].values;
+    fx[i] = c[i].factor.real();
+    fy[i] = c[i].factor.imag();
+  }
 #pragma GCC ivdep
   for (std::size_t v = begin; v < end; ++v) {
-    const double a0 = z0[v], a1 = z1[v], a2 = z2[v], a3 = z3[v];
-    shape[2 * v] += (a0 * x0 + a1 * x1) + (a2 * x2 + a3 * x3);
-    shape[2 * v + 1] += (a0 * y0 + a1 * y1) + (a2 * y2 + a3 * y3);
+    double x = shape[2 * v], y = shape[2 * v + 1];
+#pragma GCC unroll 2
+    for (std::size_t i = 0; i < kColumns; i += kColumnGroup) {
+      const double a0 = z[i][v], a1 = z[i + 1][v], a2 = z[i + 2][v], a3 = z[i + 3][v];
+      x += (a0 * fx[i] + a1 * fx[i + 1]) + (a2 * fx[i + 2] + a3 * fx[i + 3]);
+      y += (a0 * fy[i] + a1 * fy[i + 1]) + (a2 * fy[i + 2] + a3 * fy[i + 3]);
+    }
+    shape[2 * v] = x;
+    shape[2 * v + 1] = y;
   }
 }
 
-ARAP_WIDE(AddFour, AddFourWide,
+void AddFour(const ScaledColumn* c, std::size_t begin, std::size_t end, double* shape) {
+  AddGroups<1>(c, begin, end, shape);
+}
+void AddEight(const ScaledColumn* c, std::size_t begin, std::size_t end, double* shape) {
+  AddGroups<2>(c, begin, end, shape);
+}
+ARAP_WIDE(AddGroups<1>, AddFourWide,
+          (const ScaledColumn* c, std::size_t begin, std::size_t end, double* shape),
+          (c, begin, end, shape))
+ARAP_WIDE(AddGroups<2>, AddEightWide,
           (const ScaledColumn* c, std::size_t begin, std::size_t end, double* shape),
           (c, begin, end, shape))
 
@@ -72,12 +92,18 @@ void AddColumns(std::size_t count, std::span<Complex> shape, ColumnAt column_at)
   auto* numbers = reinterpret_cast<double*>(shape.data());
   for (std::size_t begin = 0; begin < shape.size(); begin += kBlock) {
     const std::size_t end = std::min(begin + kBlock, shape.size());
-    for (std::size_t i = 0; i < count; i += kColumnGroup) {
-      ScaledColumn group[kColumnGroup];
-      for (std::size_t k = 0; k < kColumnGroup; ++k) {
-        group[k] = i + k < count ? column_at(i + k) : ScaledColumn{group[0].values, 0};
+    for (std::size_t i = 0; i < count;) {
+      const bool eight = i + kColumnGroup < count;
+      ScaledColumn columns[2 * kColumnGroup];
+      const std::size_t last = i + (eight ? 2 : 1) * kColumnGroup;
+      for (ScaledColumn* c = columns; i < last; ++i, ++c) {
+        *c = i < count ? column_at(i) : ScaledColumn{columns[0].values, 0};
       }
-      (HasWide() ? AddFourWide : AddFour)(group, begin, end, numbers);
+      if (eight) {
+        (HasWide() ? AddEightWide : AddEight)(columns, begin, end, numbers);
+      } else {
+        (HasWide() ? AddFourWide : AddFour)(columns, begin, end, numbers);
+      }
     }
   }
 }

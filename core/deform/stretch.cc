@@ -27,8 +27,8 @@ ARAP_WIDE_BODY void MeasureBlock(const StretchTable::Columns& table, const Trian
   Column e1x, e1y, e2x, e2y, worst, share;
   // Numbers of vertices stay far below 2^31 (MeshLimits).
   const auto* corners = reinterpret_cast<const std::int32_t*>(triangles[begin].data());
-  GatherEdges<kMost, 3, 2>(positions, corners, {corners + 1, corners + 2}, count,
-                           {e1x.data(), e2x.data()}, {e1y.data(), e2y.data()});
+  GatherEdges<kMost, 3, PointsBy::kNumber>(positions, corners, {corners + 1, corners + 2}, count,
+                                           {e1x.data(), e2x.data()}, {e1y.data(), e2y.data()});
   std::int64_t flipped = 0;
 #pragma GCC ivdep
   for (std::size_t k = 0; k < count; ++k) {

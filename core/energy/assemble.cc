@@ -77,11 +77,13 @@ using StarBlock = BlockOf<std::vector<std::uint32_t>, std::vector<Complex>, std:
 using SmallBlock = BlockOf<Few<std::uint32_t, 4>, Few<Complex, 9>, Few<double, 3>>;
 
 std::uint32_t Id(std::int32_t vertex) { return static_cast<std::uint32_t>(vertex); }
+// Of a vertex of a hinge.
+std::uint32_t IdAt(std::int32_t begin) { return static_cast<std::uint32_t>(begin) / 2; }
 
 void FillHinge(const HingeTable& table, std::size_t h, SmallBlock& block) {
-  const bool boundary = table.right[h] == table.i[h];
-  const std::array<std::uint32_t, 4> ids{Id(table.i[h]), Id(table.j[h]), Id(table.left[h]),
-                                         Id(table.right[h])};
+  const bool boundary = table.right[h] == table.j[h];
+  const std::array<std::uint32_t, 4> ids{IdAt(table.i[h]), IdAt(table.j[h]), IdAt(table.left[h]),
+                                         IdAt(table.right[h])};
   const std::size_t corners = boundary ? 3 : 4;
   const std::array<Complex, 4> p{0, Complex(table.along_x[h], table.along_y[h]),
                                  Complex(table.left_x[h], table.left_y[h]),
@@ -189,7 +191,7 @@ template <class Visit>
 void ForEachEnergyEdge(const Cells& cells, Visit visit) {
   const HingeTable& h = cells.hinges;
   for (std::size_t k = 0; k < h.size(); ++k) {
-    visit(Id(h.i[k]), Id(h.j[k]), h.both ? 2 * h.weight[k] : h.weight[k]);
+    visit(IdAt(h.i[k]), IdAt(h.j[k]), h.both ? 2 * h.weight[k] : h.weight[k]);
   }
   const FaceTable& f = cells.faces;
   for (std::size_t t = 0; t < f.size(); ++t) {
@@ -205,10 +207,10 @@ template <class Visit>
 void ForEachPair(const Cells& cells, Visit visit) {
   const HingeTable& h = cells.hinges;
   for (std::size_t k = 0; k < h.size(); ++k) {
-    const std::uint32_t i = Id(h.i[k]), j = Id(h.j[k]), left = Id(h.left[k]),
-                        right = Id(h.right[k]);
+    const std::uint32_t i = IdAt(h.i[k]), j = IdAt(h.j[k]), left = IdAt(h.left[k]),
+                        right = IdAt(h.right[k]);
     visit(i, j), visit(i, left), visit(j, left);
-    if (right != i) visit(i, right), visit(j, right), visit(left, right);
+    if (right != j) visit(i, right), visit(j, right), visit(left, right);
   }
   const FaceTable& f = cells.faces;
   for (std::size_t t = 0; t < f.size(); ++t) {

@@ -25,6 +25,9 @@ constexpr std::size_t kWeldSpokesOfAPiece = 8;
 constexpr std::size_t kStarNumbers = 4'000'000;
 constexpr std::size_t kStarNumbersOfAVertex = 128;
 
+// Of a vertex. Their numbers stay far below 2^30 (MeshLimits).
+std::int32_t BeginOf(std::uint32_t vertex) { return static_cast<std::int32_t>(2 * vertex); }
+
 double Cotangent(Complex a, Complex b) {
   const Complex z = std::conj(a) * b;
   return z.real() / z.imag();
@@ -230,7 +233,7 @@ class Builder {
         opposite[side] *= along * std::conj(ij) / std::norm(ij);
       }
     }
-    system_.cells.hinges.Add(i, j, edge.opposite[0], edge.boundary() ? i : edge.opposite[1], along,
+    system_.cells.hinges.Add(i, j, edge.opposite[0], edge.boundary() ? j : edge.opposite[1], along,
                              opposite[0], opposite[1], weight);
   }
 
@@ -267,10 +270,10 @@ Status CheckStars(const Topology& topology) {
 void HingeTable::Add(std::uint32_t from, std::uint32_t to, std::uint32_t left_vertex,
                      std::uint32_t right_vertex, Complex to_j, Complex to_left, Complex to_right,
                      double w) {
-  i.push_back(static_cast<std::int32_t>(from));
-  j.push_back(static_cast<std::int32_t>(to));
-  left.push_back(static_cast<std::int32_t>(left_vertex));
-  right.push_back(static_cast<std::int32_t>(right_vertex));
+  i.push_back(BeginOf(from));
+  j.push_back(BeginOf(to));
+  left.push_back(BeginOf(left_vertex));
+  right.push_back(BeginOf(right_vertex));
   along_x.push_back(to_j.real());
   along_y.push_back(to_j.imag());
   left_x.push_back(to_left.real());

@@ -31,7 +31,8 @@ struct CellRun {
 // ones, all with weight 1, and compares the edge alone.
 struct HingeTable {
   bool both = true;
-  std::vector<std::int32_t> i, j, left, right;  // #H; right is i at a boundary
+  // #H. Of each vertex, where its point begins in a shape of x, y, x, y, …: twice its number. right is j at a boundary.
+  std::vector<std::int32_t> i, j, left, right;
   // From i in the hinge's frame: to j, to left, to right (0 at a boundary).
   std::vector<double> along_x, along_y, left_x, left_y, right_x, right_y;
   std::vector<double> weight;  // of each cell

@@ -27,7 +27,7 @@ struct HingeEdges {
 template <std::size_t kMost>
 ARAP_WIDE_BODY void GatherHinges(const HingeTable& table, std::size_t begin, std::size_t count,
                                  const double* shape, HingeEdges& e) {
-  GatherEdges<kMost, 1, 3>(
+  GatherEdges<kMost, 1, PointsBy::kBegin>(
       shape, table.i.data() + begin,
       {table.j.data() + begin, table.left.data() + begin, table.right.data() + begin}, count,
       {e.jx.data(), e.lx.data(), e.rx.data()}, {e.jy.data(), e.ly.data(), e.ry.data()});
@@ -49,19 +49,18 @@ ARAP_WIDE_BODY HingeTurn TurnHinge(const HingeTable& table, std::size_t k, const
   const double dlx = e.lx[own], dly = e.ly[own], drx = e.rx[own], dry = e.ry[own];
   HingeTurn turn{0, 0, 0, 0};
   // Σ conj(rest) d over the edges from i.
-  const double own_x = ax * jx + ay * jy, own_y = ax * jy - ay * jx;
-  const double own_size = ax * ax + ay * ay;
-  Turn(own_x + (lx * dlx + ly * dly) + (rx * drx + ry * dry),
-       own_y + (lx * dly - ly * dlx) + (rx * dry - ry * drx),
-       own_size + (lx * lx + ly * ly) + (rx * rx + ry * ry), mean, fallback, turn.x1, turn.y1);
+  const double x1 = (ax * jx + ay * jy) + (lx * dlx + ly * dly) + (rx * drx + ry * dry);
+  const double y1 = (ax * jy - ay * jx) + (lx * dly - ly * dlx) + (rx * dry - ry * drx);
+  const double size = (ax * ax + ay * ay) + (lx * lx + ly * ly) + (rx * rx + ry * ry);
+  Turn(x1, y1, size, mean, fallback, turn.x1, turn.y1);
   if constexpr (kBoth) {
-    // Over those from j, where a boundary has no right vertex.
-    const double there = table.right[k] == table.i[k] ? 0 : 1;
-    const double mx = lx - ax, my = ly - ay, elx = dlx - jx, ely = dly - jy;
-    const double nx = there * (rx - ax), ny = there * (ry - ay), erx = drx - jx, ery = dry - jy;
-    Turn(own_x + (mx * elx + my * ely) + (nx * erx + ny * ery),
-         own_y + (mx * ely - my * elx) + (nx * ery - ny * erx),
-         own_size + (mx * mx + my * my) + (nx * nx + ny * ny), mean, fallback, turn.x2, turn.y2);
+    // Over those from j, which are differences of edges from i: what they add to the sum is
+    // conj(2 along − left − right) d_j − conj(along) (d_left + d_right). The size is of the same order.
+    const double mx = 2 * ax - (lx + rx), my = 2 * ay - (ly + ry);
+    const double sum_x = dlx + drx, sum_y = dly + dry;
+    Turn(x1 + ((mx * jx + my * jy) - (ax * sum_x + ay * sum_y)),
+         y1 + ((mx * jy - my * jx) - (ax * sum_y - ay * sum_x)), size, mean, fallback, turn.x2,
+         turn.y2);
   }
   return turn;
 }
@@ -135,35 +134,31 @@ struct FaceEdges {
 template <std::size_t kMost>
 ARAP_WIDE_BODY void GatherFaces(const FaceTable& table, std::size_t begin, std::size_t count,
                                 const double* shape, FaceEdges& e) {
-  GatherEdges<kMost, 1, 2>(shape, table.v0.data() + begin,
-                           {table.v1.data() + begin, table.v2.data() + begin}, count,
-                           {e.ax.data(), e.bx.data()}, {e.ay.data(), e.by.data()});
+  GatherEdges<kMost, 1, PointsBy::kNumber>(
+      shape, table.v0.data() + begin, {table.v1.data() + begin, table.v2.data() + begin}, count,
+      {e.ax.data(), e.bx.data()}, {e.ay.data(), e.by.data()});
 }
 
+// t̂ − mean, the rest edges and their weights; and what the three edges pull at corners 1 and 2 together, weighted
+// and not yet turned: the similarity is Σ conj(pull) d of these two.
 struct FaceTurn {
-  double x, y, ax, ay, bx, by, w0, w1, w2;  // t̂ − mean, rest edges, weights
+  double x, y, ax, ay, bx, by, w0, w1, w2, to1_x, to1_y, to2_x, to2_y;
 };
 
 ARAP_WIDE_BODY FaceTurn TurnFace(const FaceTable& table, std::size_t k, const FaceEdges& e,
                                  std::size_t own, Complex mean, Complex fallback) {
-  FaceTurn turn{0,
-                0,
-                table.e1_x[k],
-                table.e1_y[k],
-                table.e2_x[k],
-                table.e2_y[k],
-                table.weight0[k],
-                table.weight1[k],
-                table.weight2[k]};
-  const double ax = turn.ax, ay = turn.ay, bx = turn.bx, by = turn.by;
-  const double w0 = turn.w0, w1 = turn.w1, w2 = turn.w2;
-  const double cx = bx - ax, cy = by - ay;
+  FaceTurn turn{};
+  const double ax = turn.ax = table.e1_x[k], ay = turn.ay = table.e1_y[k];
+  const double bx = turn.bx = table.e2_x[k], by = turn.by = table.e2_y[k];
+  const double w0 = turn.w0 = table.weight0[k];
+  const double w1 = turn.w1 = table.weight1[k], w2 = turn.w2 = table.weight2[k];
+  const double cx = w0 * (bx - ax), cy = w0 * (by - ay);
+  const double to1_x = turn.to1_x = w2 * ax - cx, to1_y = turn.to1_y = w2 * ay - cy;
+  const double to2_x = turn.to2_x = w1 * bx + cx, to2_y = turn.to2_y = w1 * by + cy;
   const double dax = e.ax[own], day = e.ay[own], dbx = e.bx[own], dby = e.by[own];
-  const double dcx = dbx - dax, dcy = dby - day;
-  Turn(w2 * (ax * dax + ay * day) + w1 * (bx * dbx + by * dby) + w0 * (cx * dcx + cy * dcy),
-       w2 * (ax * day - ay * dax) + w1 * (bx * dby - by * dbx) + w0 * (cx * dcy - cy * dcx),
-       w2 * (ax * ax + ay * ay) + w1 * (bx * bx + by * by) + w0 * (cx * cx + cy * cy), mean,
-       fallback, turn.x, turn.y);
+  Turn((to1_x * dax + to1_y * day) + (to2_x * dbx + to2_y * dby),
+       (to1_x * day - to1_y * dax) + (to2_x * dby - to2_y * dbx),
+       (to1_x * ax + to1_y * ay) + (to2_x * bx + to2_y * by), mean, fallback, turn.x, turn.y);
   return turn;
 }
 
@@ -177,14 +172,10 @@ ARAP_WIDE_BODY void FaceForces(const FaceTable& table, std::size_t begin, std::s
 #pragma GCC ivdep
   for (std::size_t k = 0; k < count; ++k) {
     const FaceTurn t = TurnFace(table, begin + k, edges, k, mean, fallback);
-    // Along the edges from corner 0 to 1, from 0 to 2, from 1 to 2, before they are turned.
-    const double ax = t.w2 * t.ax, ay = t.w2 * t.ay, bx = t.w1 * t.bx, by = t.w1 * t.by;
-    const double cx = t.w0 * (t.bx - t.ax), cy = t.w0 * (t.by - t.ay);
-    const double to1_x = ax - cx, to1_y = ay - cy, to2_x = bx + cx, to2_y = by + cy;
-    x1[k] = t.x * to1_x - t.y * to1_y;
-    y1[k] = t.x * to1_y + t.y * to1_x;
-    x2[k] = t.x * to2_x - t.y * to2_y;
-    y2[k] = t.x * to2_y + t.y * to2_x;
+    x1[k] = t.x * t.to1_x - t.y * t.to1_y;
+    y1[k] = t.x * t.to1_y + t.y * t.to1_x;
+    x2[k] = t.x * t.to2_x - t.y * t.to2_y;
+    y2[k] = t.x * t.to2_y + t.y * t.to2_x;
   }
 }
 
@@ -255,8 +246,8 @@ void AddHinges(const LocalKernels& kernels, const HingeTable& table, const doubl
     kernels.hinge_forces(table, at, count, shape, middle, FallbackFor(middle), x, y);
     for (std::size_t k = 0; k < count; ++k) {
       const Pair own{x[k], y[k]};
-      PairAt(force, static_cast<std::size_t>(table.j[at + k])) += own;
-      PairAt(force, static_cast<std::size_t>(table.i[at + k])) -= own;
+      PointAt<PointsBy::kBegin>(force, table.j[at + k]) += own;
+      PointAt<PointsBy::kBegin>(force, table.i[at + k]) -= own;
     }
   });
 }
@@ -269,9 +260,9 @@ void AddFaces(const LocalKernels& kernels, const FaceTable& table, const double*
     kernels.face_forces(table, at, count, shape, middle, FallbackFor(middle), x1, y1, x2, y2);
     for (std::size_t k = 0; k < count; ++k) {
       const Pair first{x1[k], y1[k]}, second{x2[k], y2[k]};
-      PairAt(force, static_cast<std::size_t>(table.v0[at + k])) -= first + second;
-      PairAt(force, static_cast<std::size_t>(table.v1[at + k])) += first;
-      PairAt(force, static_cast<std::size_t>(table.v2[at + k])) += second;
+      PointAt<PointsBy::kNumber>(force, table.v0[at + k]) -= first + second;
+      PointAt<PointsBy::kNumber>(force, table.v1[at + k]) += first;
+      PointAt<PointsBy::kNumber>(force, table.v2[at + k]) += second;
     }
   });
 }
