@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/lanes.h"
+#include "core/sparse/block_products.h"
 
 namespace arap {
 namespace {
@@ -13,120 +14,6 @@ namespace {
 template <class Scalar>
 constexpr std::size_t kNumbers = sizeof(Scalar) / sizeof(double);
 
-#define ARAP_INLINE [[gnu::always_inline]] inline
-
-// Numbers of one matrix, `stride` apart from column to column.
-struct View {
-  const double* numbers;
-  std::size_t stride;
-};
-
-// out := X Yᵀ for kVectors·kLanes rows of X and kColumns rows of Y; both have `depth` columns.
-template <std::size_t kLanes, std::size_t kVectors, std::size_t kColumns>
-ARAP_INLINE void Tile(const double* x, const double* y, std::size_t stride, std::size_t depth,
-                      double* out, std::size_t out_stride) {
-  Lanes<kLanes> sum[kColumns][kVectors];
-#pragma GCC unroll 8
-  for (std::size_t c = 0; c < kColumns; ++c) {
-#pragma GCC unroll 8
-    for (std::size_t v = 0; v < kVectors; ++v) sum[c][v] = Lanes<kLanes>{};
-  }
-  for (std::size_t k = 0; k < depth; ++k, x += stride, y += stride) {
-    Lanes<kLanes> left[kVectors];
-#pragma GCC unroll 8
-    for (std::size_t v = 0; v < kVectors; ++v)
-      left[v] = *reinterpret_cast<const Lanes<kLanes>*>(x + v * kLanes);
-#pragma GCC unroll 8
-    for (std::size_t c = 0; c < kColumns; ++c) {
-#pragma GCC unroll 8
-      for (std::size_t v = 0; v < kVectors; ++v) sum[c][v] += left[v] * y[c];
-    }
-  }
-#pragma GCC unroll 8
-  for (std::size_t c = 0; c < kColumns; ++c) {
-#pragma GCC unroll 8
-    for (std::size_t v = 0; v < kVectors; ++v) {
-      *reinterpret_cast<Lanes<kLanes>*>(out + c * out_stride + v * kLanes) = sum[c][v];
-    }
-  }
-}
-
-template <std::size_t kLanes, std::size_t kVectors, std::size_t kColumns>
-ARAP_INLINE void Strip(const double* x, const double* y, std::size_t stride, std::size_t depth,
-                       std::size_t rows, double* out, std::size_t out_stride) {
-  std::size_t r = 0;
-  for (; r + kLanes * kVectors <= rows; r += kLanes * kVectors) {
-    Tile<kLanes, kVectors, kColumns>(x + r, y, stride, depth, out + r, out_stride);
-  }
-  if constexpr (kVectors > 1) {
-    for (; r + kLanes <= rows; r += kLanes)
-      Tile<kLanes, 1, kColumns>(x + r, y, stride, depth, out + r, out_stride);
-  }
-  if constexpr (kLanes > 4) {
-    if (r + 4 <= rows) Tile<4, 1, kColumns>(x + r, y, stride, depth, out + r, out_stride), r += 4;
-  }
-  if (r + 2 <= rows) Tile<2, 1, kColumns>(x + r, y, stride, depth, out + r, out_stride), r += 2;
-  if (r < rows) {
-    double sum[kColumns]{};
-    for (std::size_t k = 0; k < depth; ++k) {
-      for (std::size_t c = 0; c < kColumns; ++c) sum[c] += x[r + k * stride] * y[c + k * stride];
-    }
-    for (std::size_t c = 0; c < kColumns; ++c) out[r + c * out_stride] = sum[c];
-  }
-}
-
-// out (rows×columns) := X Xᵀ of the first rows of X, as far as it is on or below the diagonal; some above it too.
-template <std::size_t kLanes, std::size_t kVectors>
-ARAP_INLINE void SquareOf(View x, std::size_t rows, std::size_t columns, std::size_t depth,
-                          double* out, std::size_t out_stride) {
-  std::size_t c = 0;
-  const auto strip = [&]<std::size_t kColumns>() __attribute__((always_inline)) {
-    Strip<kLanes, kVectors, kColumns>(x.numbers + c, x.numbers + c, x.stride, depth, rows - c,
-                                      out + c * out_stride + c, out_stride);
-  };
-  for (; c + 4 <= columns; c += 4) strip.template operator()<4>();
-  switch (columns - c) {
-    case 3:
-      return strip.template operator()<3>();
-    case 2:
-      return strip.template operator()<2>();
-    case 1:
-      return strip.template operator()<1>();
-    default:
-      return;
-  }
-}
-
-using Square = void (*)(View x, std::size_t rows, std::size_t columns, std::size_t depth,
-                        double* out, std::size_t out_stride);
-
-void SquarePlain(View x, std::size_t rows, std::size_t columns, std::size_t depth, double* out,
-                 std::size_t out_stride) {
-  SquareOf<2, 2>(x, rows, columns, depth, out, out_stride);
-}
-
-#if defined(__x86_64__) && defined(__GNUC__)
-[[gnu::target("avx2")]] void SquareWide(View x, std::size_t rows, std::size_t columns,
-                                        std::size_t depth, double* out, std::size_t out_stride) {
-  SquareOf<4, 2>(x, rows, columns, depth, out, out_stride);
-}
-[[gnu::target("avx512f")]] void SquareWidest(View x, std::size_t rows, std::size_t columns,
-                                             std::size_t depth, double* out,
-                                             std::size_t out_stride) {
-  SquareOf<8, 2>(x, rows, columns, depth, out, out_stride);
-}
-#endif
-
-Square SquareBy(ProductCode code) {
-#if defined(__x86_64__) && defined(__GNUC__)
-  if (code == ProductCode::kAvx512) return SquareWidest;
-  if (code == ProductCode::kAvx2) return SquareWide;
-#endif
-  return SquarePlain;
-}
-
-// Real columns of one product.
-constexpr std::size_t kStrip = 64;
 // Columns that are factored one by one.
 constexpr std::size_t kOneByOne = 4;
 
@@ -148,11 +35,9 @@ void SubtractTimes(const std::complex<double>* other, std::complex<double> f, st
   }
 }
 
-// What one column of a product takes from row i, of `rows`: of a real factor column j itself.
-Pair Taken(const double* product, std::size_t rows, std::size_t i) {
-  // Both numbers of the row against both of the other: conj(y) x.
-  const Pair p = *reinterpret_cast<const Pair*>(product + 2 * i);
-  const Pair q = *reinterpret_cast<const Pair*>(product + 2 * rows + 2 * i);
+// conj(y) x for complex numbers x of row i and y, of which `by_re` and `by_im` are the products with both numbers of y.
+Pair Taken(const double* by_re, const double* by_im, std::size_t i) {
+  const Pair p = PairAt(by_re, i), q = PairAt(by_im, i);
   constexpr Pair kTurn{1, -1};
   return p + __builtin_shufflevector(q, q, 1, 0) * kTurn;
 }
@@ -162,7 +47,7 @@ class Factorisation {
  public:
   Factorisation(const SupernodalPattern& pattern, const Eigen::SparseMatrix<Scalar>& lower,
                 Scalar* values, ProductCode code)
-      : pattern_(pattern), values_(values), square_(SquareBy(code)) {
+      : pattern_(pattern), values_(values), products_(code, kNumbers<Scalar> * Highest(pattern)) {
     TakeMatrix(lower);
     FindSizes();
   }
@@ -221,18 +106,24 @@ class Factorisation {
     }
   }
 
+  // The most rows of a block.
+  static std::size_t Highest(const SupernodalPattern& pattern) {
+    int highest = 0;
+    for (std::size_t s = 0; s + 1 < pattern.rows_begin.size(); ++s) {
+      highest = std::max(highest, pattern.rows_begin[s + 1] - pattern.rows_begin[s]);
+    }
+    return static_cast<std::size_t>(highest);
+  }
+
   void FindSizes() {
     supernodes_ = pattern_.first.size() - 1;
     const std::size_t n = pattern_.order.size();
-    std::size_t highest = 0;
     supernode_of_.resize(n);
     for (std::size_t s = 0; s < supernodes_; ++s) {
-      highest = std::max(highest, HeightOf(s));
       for (std::size_t c = FirstOf(s); c < FirstOf(s + 1); ++c) supernode_of_[c] = Int(s);
     }
     row_in_.resize(n);
-    relative_.resize(highest);
-    product_.resize(kNumbers<Scalar> * highest * kStrip);
+    relative_.resize(Highest(pattern_));
     first_pending_.assign(supernodes_, -1);
     next_.assign(supernodes_, -1);
     position_.assign(supernodes_, 0);
@@ -264,20 +155,19 @@ class Factorisation {
 
   void Multiply(const Scalar* x, std::size_t height, std::size_t rows, std::size_t columns,
                 std::size_t depth) {
-    const View view{reinterpret_cast<const double*>(x), kNumbers<Scalar> * height};
-    rows *= kNumbers<Scalar>, columns *= kNumbers<Scalar>;
-    square_(view, rows, columns, depth, product_.data(), rows);
+    const BlockView view{reinterpret_cast<const double*>(x), kNumbers<Scalar> * height};
+    products_.Square(view, kNumbers<Scalar> * rows, kNumbers<Scalar> * columns, depth);
   }
 
   // column[at(i)] −= what Multiply made for row i and column j, from i = j on.
   template <class At>
   void SubtractProduct(std::size_t rows, std::size_t j, Scalar* column, At at) const {
     if constexpr (kNumbers<Scalar> == 1) {
-      const double* p = product_.data() + j * rows;
+      const double* p = products_.column(j);
       for (std::size_t i = j; i < rows; ++i) column[at(i)] -= p[i];
     } else {
-      const double* p = product_.data() + 4 * j * rows;
-      for (std::size_t i = j; i < rows; ++i) Place(column + at(i)) -= Taken(p, rows, i);
+      const double *p = products_.column(2 * j), *q = products_.column(2 * j + 1);
+      for (std::size_t i = j; i < rows; ++i) Place(column + at(i)) -= Taken(p, q, i);
     }
   }
 
@@ -291,7 +181,7 @@ class Factorisation {
     for (std::size_t r = begin; r < height; ++r) {
       relative_[r - begin] = static_cast<std::size_t>(row_in_[static_cast<std::size_t>(rows[r])]);
     }
-    constexpr std::size_t kTogether = kStrip / kNumbers<Scalar>;
+    constexpr std::size_t kTogether = BlockProducts::kMostColumns / kNumbers<Scalar>;
     for (std::size_t c = begin; c < end; c += kTogether) {
       const std::size_t count = std::min(kTogether, end - c);
       Multiply(BlockOf(d) + c, height, height - c, count, WidthOf(d));
@@ -310,7 +200,7 @@ class Factorisation {
     if (to - from <= kOneByOne) return OneByOne(block, height, from, to);
     const std::size_t middle = from + (to - from) / 2;
     if (!Columns(block, height, from, middle)) return false;
-    constexpr std::size_t kTogether = kStrip / kNumbers<Scalar>;
+    constexpr std::size_t kTogether = BlockProducts::kMostColumns / kNumbers<Scalar>;
     for (std::size_t c = middle; c < to; c += kTogether) {
       const std::size_t count = std::min(kTogether, to - c);
       Multiply(block + from * height + c, height, height - c, count, middle - from);
@@ -340,7 +230,7 @@ class Factorisation {
 
   const SupernodalPattern& pattern_;
   Scalar* values_;
-  Square square_;
+  BlockProducts products_;
   std::size_t supernodes_ = 0;
   // The matrix: column c of the factor has rows row_[begin_[c]]….
   std::vector<int> begin_, row_;
@@ -351,18 +241,9 @@ class Factorisation {
   std::vector<int> first_pending_, next_;
   std::vector<std::size_t> position_;
   std::vector<std::size_t> relative_;
-  std::vector<double> product_;
 };
 
 }  // namespace
-
-ProductCode BestProductCode() {
-#if defined(__x86_64__) && defined(__GNUC__)
-  if (__builtin_cpu_supports("avx512f")) return ProductCode::kAvx512;
-  if (__builtin_cpu_supports("avx2")) return ProductCode::kAvx2;
-#endif
-  return ProductCode::kPlain;
-}
 
 template <class Scalar>
 bool FactorSupernodes(const SupernodalPattern& pattern, const Eigen::SparseMatrix<Scalar>& lower,

@@ -11,6 +11,8 @@
 
 #include <Eigen/SparseCore>
 
+#include "core/sparse/block_products.h"
+
 namespace arap {
 
 // Where supernode s has its columns first[s]…first[s + 1]−1, its rows rows[rows_begin[s]]…, of which its own columns
@@ -19,11 +21,6 @@ struct SupernodalPattern {
   std::span<const int> first, rows_begin, rows, values_begin;
   std::span<const int> order;  // row k of the factor is row order[k] of the matrix
 };
-
-// The machine codes of the products; all give the same bytes.
-enum class ProductCode { kPlain, kAvx2, kAvx512 };
-// The fastest of this processor.
-ProductCode BestProductCode();
 
 // Writes the blocks of L of P A Pᵀ = L Lᴴ to `values`, where A has the lower triangle `lower` and a pattern inside
 // the analysed one; above the diagonals of the blocks stands nothing of use. Returns whether A is positive definite;
