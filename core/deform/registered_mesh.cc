@@ -66,6 +66,27 @@ void Normalise(RegisteredMeshParts& parts) {
   for (const Complex p : parts.mesh.vertices) parts.rest.push_back(parts.Normalise(p));
 }
 
+// Whether halving the mesh leaves less fill than minimum degree. What counts is how long its boundary is beside a side of a
+// square of as many vertices: 4 for a square, 5 for a strip of 1 to 4, where there is little to gain any more; more for a
+// character, which minimum degree eliminates from its limbs.
+bool IsLargeAndCompact(const RegisteredMeshParts& parts) {
+  constexpr std::size_t kLarge = 25'000;
+  constexpr double kCompact = 5;
+  const std::size_t vertices = parts.rest.size();
+  if (vertices < kLarge) return false;
+  const auto boundary = std::count_if(parts.topology.edges.begin(), parts.topology.edges.end(),
+                                      [](const Edge& edge) { return edge.boundary(); });
+  return static_cast<double>(boundary) <= kCompact * std::sqrt(static_cast<double>(vertices));
+}
+
+// Empty leaves the order to the factor.
+template <class Scalar>
+Result<std::vector<int>> OrderOf(const RegisteredMeshParts& parts,
+                                 const Eigen::SparseMatrix<Scalar>& lower) {
+  if (!IsLargeAndCompact(parts)) return std::vector<int>();
+  return EliminationOrder(lower, parts.rest);
+}
+
 Status Factorise(RegisteredMeshParts& parts, const CancelToken& cancel) {
   std::vector<bool> fixed(parts.rest.size(), false);
   for (std::size_t v = 0; v < fixed.size(); ++v) {
@@ -73,16 +94,24 @@ Status Factorise(RegisteredMeshParts& parts, const CancelToken& cancel) {
   }
   // One matrix after the other: on a large mesh each is a good part of all memory.
   for (const MeshComponent& c : parts.components) fixed[c.ground0] = fixed[c.ground1] = true;
-  TRY(parts.similarity,
-      Factor<Complex>::Make(AssembleSimilarity(parts.cells, fixed), FactorLayout::kPacked));
+  {
+    const auto lower = AssembleSimilarity(parts.cells, fixed);
+    TRY(const std::vector<int> order, OrderOf(parts, lower));
+    TRY(parts.similarity, Factor<Complex>::Make(lower, FactorLayout::kPacked, order));
+  }
   CHECK_OK(cancel.Check());
 
   for (const MeshComponent& c : parts.components) fixed[c.ground1] = false;
   // Both matrices of FACE cells have one pattern. Of other cells the order of step 1 would serve too, but leave a
   // third more numbers to read in every frame.
   const bool same = parts.options.basis == Basis::kFace;
-  TRY(parts.rigid, Factor<double>::Make(AssembleRigid(parts.cells, fixed), FactorLayout::kPacked,
-                                        same ? parts.similarity->order() : std::span<const int>()));
+  const auto lower = AssembleRigid(parts.cells, fixed);
+  std::vector<int> own;
+  if (!same) {
+    TRY(own, OrderOf(parts, lower));
+  }
+  TRY(parts.rigid, Factor<double>::Make(lower, FactorLayout::kPacked,
+                                        same ? parts.similarity->order() : std::span(own)));
   return cancel.Check();
 }
 

@@ -13,6 +13,7 @@
 #include "core/base/cpu_timer.h"
 #include "core/base/large_pages.h"
 #include "core/base/try.h"
+#include "core/sparse/dissection.h"
 #include "core/sparse/library_guards.h"
 #include "core/sparse/packed_factor.h"
 #include "core/sparse/supernodal.h"
@@ -233,21 +234,46 @@ Workspace::~Workspace() = default;
 Workspace::Workspace(Workspace&&) noexcept = default;
 Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 
-template <class Scalar>
-Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<Scalar>& lower) {
+// What find(matrix, order, common) makes of the matrix.
+template <class Scalar, class Find>
+Result<std::vector<int>> Ordered(const Eigen::SparseMatrix<Scalar>& lower, Find find) {
   Common common;
   cholmod_sparse matrix = View(lower);
   std::vector<int> order(static_cast<std::size_t>(lower.rows()));
-  const int ok = cholmod_amd(&matrix, nullptr, 0, order.data(), common.get());
+  const int ok = find(&matrix, order.data(), common.get());
   if (!ok || common.get()->status != CHOLMOD_OK) {
     return Fail(FaultOf(common.get()->status, "Ordering", order.size()));
   }
   return order;
 }
 
+template <class Scalar>
+Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<Scalar>& lower) {
+  return Ordered(lower, [](cholmod_sparse* matrix, int* order, cholmod_common* common) {
+    return cholmod_amd(matrix, nullptr, 0, order, common);
+  });
+}
+
+template <class Scalar>
+Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<Scalar>& lower,
+                                          std::span<const std::complex<double>> points) {
+  const auto n = static_cast<std::size_t>(lower.rows());
+  std::vector<int> stages =
+      DissectionStages({Indices(lower.outerIndexPtr(), n + 1),
+                        Indices(lower.innerIndexPtr(), static_cast<std::size_t>(lower.nonZeros()))},
+                       points);
+  return Ordered(lower, [&](cholmod_sparse* matrix, int* order, cholmod_common* common) {
+    return cholmod_camd(matrix, nullptr, 0, stages.data(), order, common);
+  });
+}
+
 template Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<double>&);
 template Result<std::vector<int>> EliminationOrder(
     const Eigen::SparseMatrix<std::complex<double>>&);
+template Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<double>&,
+                                                   std::span<const std::complex<double>>);
+template Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<std::complex<double>>&,
+                                                   std::span<const std::complex<double>>);
 
 template <class Scalar>
 Factor<Scalar>::Factor(std::unique_ptr<FactorData> data) : data_(std::move(data)) {}

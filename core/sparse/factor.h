@@ -57,6 +57,12 @@ class Workspace {
 template <class Scalar>
 Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<Scalar>& lower);
 
+// The same for the matrix of a mesh whose vertices (#n) lie at `points`: it is halved again and again (dissection.h). Less
+// fill than above where the mesh is large and compact, such as a square of 100,000 vertices; more where it is slender.
+template <class Scalar>
+Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<Scalar>& lower,
+                                          std::span<const std::complex<double>> points);
+
 // Scalar is double or std::complex<double>.
 template <class Scalar>
 class Factor {
