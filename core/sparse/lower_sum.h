@@ -20,7 +20,10 @@ class LowerSum {
  public:
   // Rows and columns of `fixed` vertices will be those of the identity.
   explicit LowerSum(const std::vector<bool>& fixed)
-      : fixed_(fixed), begin_(fixed.size() + 1, 0), diagonal_(fixed.size(), Scalar(0)) {}
+      : fixed_(fixed),
+        any_fixed_(std::find(fixed.begin(), fixed.end(), true) != fixed.end()),
+        begin_(fixed.size() + 1, 0),
+        diagonal_(fixed.size(), Scalar(0)) {}
 
   void Count(std::uint32_t a, std::uint32_t b) {
     if (a != b && Free(a, b)) ++begin_[std::min(a, b) + 1];
@@ -82,7 +85,9 @@ class LowerSum {
   }
 
  private:
-  bool Free(std::uint32_t a, std::uint32_t b) const { return !fixed_[a] && !fixed_[b]; }
+  bool Free(std::uint32_t a, std::uint32_t b) const {
+    return !any_fixed_ || (!fixed_[a] && !fixed_[b]);
+  }
 
   // By row. Most columns have a few numbers.
   void Sort(std::size_t begin, std::size_t end) {
@@ -109,6 +114,7 @@ class LowerSum {
   }
 
   const std::vector<bool>& fixed_;
+  const bool any_fixed_;
   std::vector<std::size_t> begin_, next_;  // of a column's entries; the next one of it
   std::unique_ptr<int[]> rows_;
   std::unique_ptr<Scalar[]> values_;

@@ -47,8 +47,11 @@ class Factorisation {
  public:
   Factorisation(const SupernodalPattern& pattern, const Eigen::SparseMatrix<Scalar>& lower,
                 Scalar* values, ProductCode code)
-      : pattern_(pattern), values_(values), products_(code, kNumbers<Scalar> * Highest(pattern)) {
-    TakeMatrix(lower);
+      : pattern_(pattern),
+        matrix_(lower.valuePtr()),
+        values_(values),
+        products_(code, kNumbers<Scalar> * Highest(pattern)) {
+    FindEntries(lower);
     FindSizes();
   }
 
@@ -77,13 +80,12 @@ class Factorisation {
   const int* RowsOf(std::size_t s) const { return pattern_.rows.data() + RowsBeginOf(s); }
   Scalar* BlockOf(std::size_t s) const { return values_ + pattern_.values_begin[s]; }
 
-  // The matrix by columns of the factor.
-  void TakeMatrix(const Eigen::SparseMatrix<Scalar>& lower) {
+  // Where the numbers of the factor's columns stand in the matrix.
+  void FindEntries(const Eigen::SparseMatrix<Scalar>& lower) {
     const auto n = static_cast<std::size_t>(lower.rows());
     std::vector<int> place(n);
     for (std::size_t k = 0; k < n; ++k) place[static_cast<std::size_t>(pattern_.order[k])] = Int(k);
     const int *outer = lower.outerIndexPtr(), *inner = lower.innerIndexPtr();
-    const Scalar* numbers = lower.valuePtr();
     begin_.assign(n + 1, 0);
     for (std::size_t c = 0; c < n; ++c) {
       for (int at = outer[c]; at < outer[c + 1]; ++at)
@@ -94,14 +96,14 @@ class Factorisation {
     for (std::size_t k = 0; k < n; ++k) begin_[k + 1] += begin_[k];
     std::vector<int> next(begin_.begin(), begin_.end() - 1);
     row_.resize(static_cast<std::size_t>(begin_[n]));
-    number_.resize(row_.size());
+    entry_.resize(row_.size());
     for (std::size_t c = 0; c < n; ++c) {
       for (int at = outer[c]; at < outer[c + 1]; ++at) {
         const int row = place[static_cast<std::size_t>(inner[at])], column = place[c];
         const auto to =
             static_cast<std::size_t>(next[static_cast<std::size_t>(std::min(row, column))]++);
         row_[to] = std::max(row, column);
-        number_[to] = row >= column ? numbers[at] : Eigen::numext::conj(numbers[at]);
+        entry_[to] = row >= column ? at : ~at;
       }
     }
   }
@@ -129,6 +131,10 @@ class Factorisation {
     position_.assign(supernodes_, 0);
   }
 
+  Scalar NumberOf(int entry) const {
+    return entry >= 0 ? matrix_[entry] : Eigen::numext::conj(matrix_[~entry]);
+  }
+
   // The block of s is that of the matrix.
   void Start(std::size_t s) {
     const std::size_t height = HeightOf(s);
@@ -139,7 +145,7 @@ class Factorisation {
     for (std::size_t c = FirstOf(s); c < FirstOf(s + 1); ++c, column += height) {
       for (auto at = static_cast<std::size_t>(begin_[c]);
            at < static_cast<std::size_t>(begin_[c + 1]); ++at) {
-        column[row_in_[static_cast<std::size_t>(row_[at])]] += number_[at];
+        column[row_in_[static_cast<std::size_t>(row_[at])]] += NumberOf(entry_[at]);
       }
     }
   }
@@ -229,12 +235,13 @@ class Factorisation {
   }
 
   const SupernodalPattern& pattern_;
+  const Scalar* matrix_;
   Scalar* values_;
   BlockProducts products_;
   std::size_t supernodes_ = 0;
-  // The matrix: column c of the factor has rows row_[begin_[c]]….
-  std::vector<int> begin_, row_;
-  std::vector<Scalar> number_;
+  // Column c of the factor has of the matrix the rows row_[begin_[c]]…, and their numbers at entry_[begin_[c]]… of
+  // matrix_: ~entry where that is the conjugate.
+  std::vector<int> begin_, row_, entry_;
   std::vector<int> supernode_of_;  // #n, of a column
   std::vector<int> row_in_;        // #n, of a row in the block that is being made
   // Supernodes that have rows in one that is still to come, as lists; and how far their rows are done with.
