@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string_view>
 #include <utility>
 
@@ -171,7 +172,8 @@ class Cutter {
   }
 
   Status CheckVertices() {
-    const auto touching = TouchingVertices(vertices_, triangles(), sides_);
+    const auto touching = TouchingVertices(vertices_, triangles(), sides_, gluing_);
+    whole_ = seams_.empty() && split_edges_ == 0 && touching.empty();
     if (touching.empty()) return {};
     if (options_.split_non_manifold) {
       AddWarning("split_vertices", touching,
@@ -211,6 +213,7 @@ class Cutter {
         return Fail(Advised(std::move(turned.error()), "give seams or set auto_cut"));
       }
       CutOpenOneSided();
+      whole_ = false;
       turned = TrianglesToTurn(triangles(), gluing_);
     }
     if (!turned) return Fail(std::move(turned.error()));
@@ -233,15 +236,23 @@ class Cutter {
   }
 
   void Turn(std::vector<bool> turned) {
-    TurnTriangles(turned, result_.mesh.triangles, gluing_);
-    // The seams' sides are numbered anew as well.
-    TurnSides(turned, sides_);
-    WarnTurned(turned, result_.warnings);
+    if (std::find(turned.begin(), turned.end(), true) != turned.end()) {
+      TurnTriangles(turned, result_.mesh.triangles, gluing_);
+      // The seams' sides are numbered anew as well.
+      TurnSides(turned, sides_);
+      WarnTurned(turned, result_.warnings);
+    }
     result_.turned = std::move(turned);
   }
 
   // Doubles the vertices along what was cut; seams that part nothing become warnings.
   Status Part() {
+    if (whole_) {
+      split_.triangles = triangles();
+      split_.source.resize(vertices_);
+      std::iota(split_.source.begin(), split_.source.end(), 0u);
+      return {};
+    }
     split_ = Split(vertices_, triangles(), gluing_);
     std::vector<std::uint32_t> ineffective;
     for (const std::uint32_t side : JoinUnparted(split_, sides_, gluing_)) {
@@ -265,6 +276,12 @@ class Cutter {
   Status CheckPieces() {
     const auto pieces = FindPieces(split_.source.size(), split_.triangles, gluing_);
     CHECK_OK(CheckPieceAreas(pieces));
+    // Automatic cuts leave every part in one.
+    result_.charts = pieces.size();
+    result_.chart_of.resize(triangles().size());
+    for (std::uint32_t p = 0; p < pieces.size(); ++p) {
+      for (const std::uint32_t t : pieces[p].triangles) result_.chart_of[t] = p;
+    }
     if (!options_.auto_cut) return CheckPlanar(pieces);
     result_.cuts.insert(result_.cuts.end(), one_sided_.begin(), one_sided_.end());
     result_.auto_cuts = one_sided_.size();
@@ -339,7 +356,7 @@ class Cutter {
     if (result_.source.size() > vertices_) {
       sides_ = SortedSides(result_.source.size(), result_.mesh.triangles);
     }
-    result_.topology = BuildTopology(result_.source.size(), result_.mesh.triangles, sides_);
+    result_.sides = std::move(sides_);
     return {};
   }
 
@@ -351,6 +368,7 @@ class Cutter {
   std::vector<Side> sides_;  // of the triangles as they came, turned
   std::vector<std::span<const Side>> seams_;
   std::size_t split_edges_ = 0;
+  bool whole_ = false;  // nothing is cut or comes apart: every vertex has one fan
   std::vector<std::array<std::uint32_t, 2>>
       one_sided_;  // edges cut because nothing else orients them
   Gluing gluing_;

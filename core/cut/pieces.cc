@@ -22,24 +22,64 @@ std::uint32_t EndCorner(std::uint32_t side) { return PreviousSide(side); }
 constexpr double kTie = 1e-9;
 
 // Where the boundary edge that starts at a vertex ends; kNone off the boundary.
-std::vector<std::uint32_t> Successors(const SurfaceMesh& mesh, const Topology& topology) {
+std::vector<std::uint32_t> Successors(const SurfaceMesh& mesh, std::span<const Side> sides) {
   std::vector<std::uint32_t> next(mesh.vertices.size(), kNone);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Triangle& c = mesh.triangles[t];
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (topology.edges[topology.triangle_edges[t][k]].boundary()) {
-        next[c[(k + 1) % 3]] = c[(k + 2) % 3];
-      }
-    }
-  }
+  ForEachEdge(sides, [&](std::span<const Side> edge) {
+    if (edge.size() > 1) return;
+    const std::uint32_t side = edge[0].index;
+    next[SideStart(mesh.triangles, side)] = SideEnd(mesh.triangles, side);
+  });
   return next;
 }
 
-}  // namespace
+// Marks the vertices whose triangles are not one fan or ring, where no edge has more than two.
+class FanWalk {
+ public:
+  FanWalk(std::size_t vertex_count, std::span<const Triangle> triangles, const Gluing& gluing)
+      : triangles_(triangles),
+        gluing_(gluing),
+        seen_(3 * triangles.size(), false),
+        touching_(vertex_count, false) {}
 
-std::vector<std::uint32_t> TouchingVertices(std::size_t vertex_count,
-                                            std::span<const Triangle> triangles,
-                                            std::span<const Side> sides) {
+  std::vector<bool> Run() {
+    std::vector<bool> known(touching_.size(), false);
+    for (std::uint32_t c = 0; c < seen_.size(); ++c) {
+      if (seen_[c]) continue;
+      const std::uint32_t v = triangles_[c / 3][c % 3];
+      if (known[v]) touching_[v] = true;
+      known[v] = true;
+      seen_[c] = true;
+      // All the way round, or to both ends of the fan.
+      if (!Walk(v, c, NextSide(c))) Walk(v, c, PreviousSide(c));
+    }
+    return std::move(touching_);
+  }
+
+ private:
+  // From corner `start` at v out through `side`; whether it comes back to where it began.
+  bool Walk(std::uint32_t v, std::uint32_t start, std::uint32_t side) {
+    while (true) {
+      const std::uint32_t mate = gluing_.mate[side];
+      if (mate == kNone) return false;
+      // Of the two ends of the mate one is v, and the other one's side is where the walk goes on.
+      const std::uint32_t next = NextSide(mate), previous = PreviousSide(mate);
+      const bool at_next = triangles_[mate / 3][next % 3] == v;
+      const std::uint32_t corner = at_next ? next : previous;
+      if (corner == start) return true;
+      seen_[corner] = true;
+      side = at_next ? previous : next;
+    }
+  }
+
+  std::span<const Triangle> triangles_;
+  const Gluing& gluing_;
+  std::vector<bool> seen_;      // 3·#F, corners
+  std::vector<bool> touching_;  // #V
+};
+
+// The same, with edges of three and more triangles joining them all.
+std::vector<bool> JoinFans(std::size_t vertex_count, std::span<const Triangle> triangles,
+                           std::span<const Side> sides) {
   UnionFind corners(3 * triangles.size());
   ForEachEdge(sides, [&](std::span<const Side> edge) {
     const std::uint32_t first = edge[0].index;
@@ -56,6 +96,43 @@ std::vector<std::uint32_t> TouchingVertices(std::size_t vertex_count,
     if (fan[v] == kNone) fan[v] = root;
     if (fan[v] != root) touching[v] = true;
   }
+  return touching;
+}
+
+// The piece of each triangle, numbered by their lowest triangle; `sizes` gets the triangles of each.
+std::vector<std::uint32_t> PieceOfEach(const Gluing& gluing, std::vector<std::size_t>& sizes) {
+  std::vector<std::uint32_t> piece_of(gluing.mate.size() / 3, kNone), queue;
+  for (std::uint32_t start = 0; start < piece_of.size(); ++start) {
+    if (piece_of[start] != kNone) continue;
+    const auto piece = static_cast<std::uint32_t>(sizes.size());
+    sizes.push_back(1);
+    piece_of[start] = piece;
+    queue.assign(1, start);
+    while (!queue.empty()) {
+      const std::uint32_t t = queue.back();
+      queue.pop_back();
+      for (std::uint32_t side = 3 * t; side < 3 * t + 3; ++side) {
+        if (gluing.open(side)) continue;
+        std::uint32_t& of_mate = piece_of[gluing.mate[side] / 3];
+        if (of_mate != kNone) continue;
+        of_mate = piece;
+        ++sizes.back();
+        queue.push_back(gluing.mate[side] / 3);
+      }
+    }
+  }
+  return piece_of;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> TouchingVertices(std::size_t vertex_count,
+                                            std::span<const Triangle> triangles,
+                                            std::span<const Side> sides, const Gluing& gluing) {
+  bool crowded = false;
+  ForEachEdge(sides, [&](std::span<const Side> edge) { crowded = crowded || edge.size() > 2; });
+  const std::vector<bool> touching = crowded ? JoinFans(vertex_count, triangles, sides)
+                                             : FanWalk(vertex_count, triangles, gluing).Run();
   std::vector<std::uint32_t> found;
   for (std::uint32_t v = 0; v < vertex_count; ++v) {
     if (touching[v]) found.push_back(v);
@@ -124,17 +201,12 @@ std::string Piece::Describe() const {
 
 std::vector<Piece> FindPieces(std::size_t vertex_count, std::span<const Triangle> triangles,
                               const Gluing& gluing) {
-  UnionFind sets(triangles.size());
-  for (std::uint32_t side = 0; side < gluing.mate.size(); ++side) {
-    if (!gluing.open(side)) sets.Join(side / 3, gluing.mate[side] / 3);
-  }
-  std::vector<Piece> pieces;
-  std::vector<std::uint32_t> piece_of(triangles.size());
+  std::vector<std::size_t> sizes;
+  const std::vector<std::uint32_t> piece_of = PieceOfEach(gluing, sizes);
+  std::vector<Piece> pieces(sizes.size());
+  for (std::size_t p = 0; p < sizes.size(); ++p) pieces[p].triangles.reserve(sizes[p]);
   std::vector<bool> vertex_seen(vertex_count, false), side_seen(gluing.mate.size(), false);
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    const std::uint32_t root = sets.Find(t);
-    if (root == t) pieces.emplace_back();
-    piece_of[t] = root == t ? static_cast<std::uint32_t>(pieces.size() - 1) : piece_of[root];
     Piece& piece = pieces[piece_of[t]];
     piece.triangles.push_back(t);
     // Euler characteristic V − E + F, with E = (3F + open sides) / 2; here −(F + open sides).
@@ -157,13 +229,14 @@ std::vector<Piece> FindPieces(std::size_t vertex_count, std::span<const Triangle
   return pieces;
 }
 
-std::vector<BoundaryLoop> BoundaryLoops(const SurfaceMesh& mesh, const Topology& topology) {
-  std::vector<std::uint32_t> next = Successors(mesh, topology);
+std::vector<BoundaryLoop> BoundaryLoops(const SurfaceMesh& mesh, std::span<const Side> sides,
+                                        std::span<const std::uint32_t> component) {
+  std::vector<std::uint32_t> next = Successors(mesh, sides);
   std::vector<BoundaryLoop> loops;
   for (std::uint32_t start = 0; start < next.size(); ++start) {
     if (next[start] == kNone) continue;
     BoundaryLoop& loop = loops.emplace_back();
-    loop.component = topology.vertex_component[start];
+    loop.component = component.empty() ? 0 : component[start];
     for (std::uint32_t v = start; next[v] != kNone;) {
       loop.vertices.push_back(v);
       loop.length += (Vec(mesh.vertices[next[v]]) - Vec(mesh.vertices[v])).norm();

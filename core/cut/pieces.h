@@ -16,10 +16,11 @@ namespace arap {
 
 // Vertices where parts of the surface touch in nothing else, ascending: the triangles around such a
 // vertex are not one fan or one ring. Cuts are ignored and edges of three and more triangles count
-// as joining them all. O(#F α).
+// as joining them all. `gluing` is what GlueAll makes of the sides; what is cut in it plays no part.
+// O(#F), and O(#F α) where there are such edges.
 std::vector<std::uint32_t> TouchingVertices(std::size_t vertex_count,
                                             std::span<const Triangle> triangles,
-                                            std::span<const Side> sides);
+                                            std::span<const Side> sides, const Gluing& gluing);
 
 // Triangles with one vertex per fan of joined triangles.
 struct SplitVertices {
@@ -54,13 +55,13 @@ struct Piece {
 };
 
 // Connected through joined sides, by their lowest triangle. `triangles` must agree and have one
-// vertex per fan (Split). O(#F α).
+// vertex per fan (Split). O(#F).
 std::vector<Piece> FindPieces(std::size_t vertex_count, std::span<const Triangle> triangles,
                               const Gluing& gluing);
 
 // One boundary of a mesh.
 struct BoundaryLoop {
-  std::uint32_t component = 0;          // Topology::vertex_component
+  std::uint32_t component = 0;          // of its vertices
   double length = 0;                    // unit of the mesh
   std::vector<std::uint32_t> vertices;  // as its triangles run, from the lowest vertex
 };
@@ -68,7 +69,9 @@ struct BoundaryLoop {
 // By component; the longest loop of a component comes first (of several as long up to rounding that
 // with the lowest vertex), the others follow by their lowest vertex. Of a flat, upright chart the
 // outline runs counter-clockwise and holes clockwise. The triangles must agree and no two parts may
-// touch in a vertex only, as CutToCharts leaves them. O(#F).
-std::vector<BoundaryLoop> BoundaryLoops(const SurfaceMesh& mesh, const Topology& topology);
+// touch in a vertex only, as CutToCharts leaves them. `sides` is what SortedSides makes of the triangles,
+// `component` (#V, or empty where there is one) as in Topology. O(#F).
+std::vector<BoundaryLoop> BoundaryLoops(const SurfaceMesh& mesh, std::span<const Side> sides,
+                                        std::span<const std::uint32_t> component = {});
 
 }  // namespace arap

@@ -100,6 +100,64 @@ void FillHinge(const HingeTable& table, std::size_t h, SmallBlock& block) {
   }
 }
 
+// A face as a block, with what is known of it in advance: three corners, three residuals.
+class FaceBlock {
+ public:
+  FaceBlock(const FaceTable& table, std::size_t t)
+      : ids_{Id(table.v0[t]), Id(table.v1[t]), Id(table.v2[t])},
+        weights_{table.weight0[t], table.weight1[t], table.weight2[t]} {
+    const Complex to_1(table.e1_x[t], table.e1_y[t]), to_2(table.e2_x[t], table.e2_y[t]);
+    const std::array<Complex, 3> side{to_2 - to_1, Complex(0) - to_2, to_1};  // opposite corner k
+    double size = 0;
+    for (std::size_t k = 0; k < 3; ++k) size += weights_[k] * std::norm(side[k]);
+    std::array<Complex, 3> similarity{};
+#pragma GCC unroll 3
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Complex g = weights_[k] * std::conj(side[k]) / size;
+      similarity[(k + 2) % 3] += g;
+      similarity[(k + 1) % 3] -= g;
+    }
+#pragma GCC unroll 3
+    for (std::size_t k = 0; k < 3; ++k) {
+#pragma GCC unroll 3
+      for (std::size_t i = 0; i < 3; ++i) rows_[k][i] = -similarity[i] * side[k];
+      rows_[k][(k + 2) % 3] += 1;
+      rows_[k][(k + 1) % 3] -= 1;
+    }
+  }
+
+  // Adds its part of the matrix.
+  void AddTo(LowerSum<Complex>& sum) const {
+#pragma GCC unroll 3
+    for (std::size_t i = 0; i < 3; ++i) {
+      double own = 0;
+#pragma GCC unroll 3
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (weights_[k] != 0) own += weights_[k] * std::norm(rows_[k][i]);
+      }
+      sum.Add(ids_[i], ids_[i], own);
+#pragma GCC unroll 3
+      for (std::size_t j = 0; j < i; ++j) {
+        Complex product = 0;
+#pragma GCC unroll 3
+        for (std::size_t k = 0; k < 3; ++k) {
+          if (weights_[k] != 0) product += weights_[k] * (std::conj(rows_[k][i]) * rows_[k][j]);
+        }
+        if (ids_[i] > ids_[j]) {
+          sum.Add(ids_[i], ids_[j], product);
+        } else {
+          sum.Add(ids_[j], ids_[i], std::conj(product));
+        }
+      }
+    }
+  }
+
+ private:
+  std::array<std::uint32_t, 3> ids_;
+  std::array<double, 3> weights_;
+  std::array<std::array<Complex, 3>, 3> rows_;
+};
+
 void FillFace(const FaceTable& table, std::size_t t, SmallBlock& block) {
   block.Start(std::array<std::uint32_t, 3>{Id(table.v0[t]), Id(table.v1[t]), Id(table.v2[t])});
   const std::array<Complex, 3> p{0, Complex(table.e1_x[t], table.e1_y[t]),
@@ -168,22 +226,33 @@ void AddLargeStar(const StarTable& table, std::size_t s, Add add) {
 }
 
 template <class Visit>
-void ForEachBlock(const Cells& cells, Visit visit, std::size_t most_spokes = SIZE_MAX) {
+void ForEachHinge(const HingeTable& hinges, Visit visit) {
   SmallBlock block;
-  for (std::size_t h = 0; h < cells.hinges.size(); ++h) {
-    FillHinge(cells.hinges, h, block);
+  for (std::size_t h = 0; h < hinges.size(); ++h) {
+    FillHinge(hinges, h, block);
     visit(block);
   }
-  for (std::size_t t = 0; t < cells.faces.size(); ++t) {
-    FillFace(cells.faces, t, block);
-    visit(block);
-  }
+}
+
+template <class Visit>
+void ForEachStar(const Cells& cells, Visit visit, std::size_t most_spokes = SIZE_MAX) {
   StarBlock star;
   for (std::size_t s = 0; s < cells.stars.size(); ++s) {
     if (SpokesOf(cells.stars, s).size() > most_spokes) continue;
     FillStar(cells.stars, s, star);
     visit(star);
   }
+}
+
+template <class Visit>
+void ForEachBlock(const Cells& cells, Visit visit) {
+  ForEachHinge(cells.hinges, visit);
+  SmallBlock block;
+  for (std::size_t t = 0; t < cells.faces.size(); ++t) {
+    FillFace(cells.faces, t, block);
+    visit(block);
+  }
+  ForEachStar(cells, visit);
 }
 
 // Calls visit(a, b, weight) for every energy edge.
@@ -260,7 +329,9 @@ Eigen::SparseMatrix<Complex> AssembleSimilarity(const Cells& cells,
       }
     }
   };
-  ForEachBlock(cells, add_block, kLargeStar);
+  ForEachHinge(cells.hinges, add_block);
+  for (std::size_t t = 0; t < cells.faces.size(); ++t) FaceBlock(cells.faces, t).AddTo(sum);
+  ForEachStar(cells, add_block, kLargeStar);
   for (std::size_t s = 0; s < cells.stars.size(); ++s) {
     if (SpokesOf(cells.stars, s).size() > kLargeStar) AddLargeStar(cells.stars, s, add);
   }

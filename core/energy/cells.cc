@@ -67,6 +67,8 @@ class Builder {
 
   void AddFaceCells() {
     FaceTable& faces = system_.cells.faces;
+    faces.Resize(triangles_.size());
+    std::size_t made = 0;
     const auto first = [&](std::uint32_t t) { return triangles_[t][0]; };
     for (const std::uint32_t t : ByComponent(triangles_.size(), first)) {
       const auto p = frame_(t);
@@ -81,8 +83,8 @@ class Builder {
         }
         w[k] = weight * Rigidity(options_, t);
       }
-      faces.Add(triangles_[t], p[1] - p[0], p[2] - p[0], w);
-      Extend(faces.runs, faces.size(), first(t));
+      faces.Set(made++, triangles_[t], p[1] - p[0], p[2] - p[0], w);
+      Extend(faces.runs, made, first(t));
     }
   }
 
@@ -137,7 +139,8 @@ class Builder {
 
   // Counts the last cell of a table, which holds `vertex`, to the run of its component.
   void Extend(std::vector<CellRun>& runs, std::size_t size, std::uint32_t vertex) const {
-    const std::uint32_t component = topology_.vertex_component[vertex];
+    const std::uint32_t component =
+        topology_.components > 1 ? topology_.vertex_component[vertex] : 0;
     if (runs.empty() || runs.back().component != component) {
       runs.push_back({size - 1, size - 1, component});
     }
@@ -283,17 +286,25 @@ void HingeTable::Add(std::uint32_t from, std::uint32_t to, std::uint32_t left_ve
   weight.push_back(w);
 }
 
-void FaceTable::Add(const Triangle& triangle, Complex to_1, Complex to_2, const double (&w)[3]) {
-  v0.push_back(static_cast<std::int32_t>(triangle[0]));
-  v1.push_back(static_cast<std::int32_t>(triangle[1]));
-  v2.push_back(static_cast<std::int32_t>(triangle[2]));
-  e1_x.push_back(to_1.real());
-  e1_y.push_back(to_1.imag());
-  e2_x.push_back(to_2.real());
-  e2_y.push_back(to_2.imag());
-  weight0.push_back(w[0]);
-  weight1.push_back(w[1]);
-  weight2.push_back(w[2]);
+void FaceTable::Resize(std::size_t triangles) {
+  for (auto* column : {&v0, &v1, &v2}) column->resize(triangles);
+  for (auto* column : {&e1_x, &e1_y, &e2_x, &e2_y, &weight0, &weight1, &weight2}) {
+    column->resize(triangles);
+  }
+}
+
+void FaceTable::Set(std::size_t t, const Triangle& triangle, Complex to_1, Complex to_2,
+                    const double (&w)[3]) {
+  v0[t] = static_cast<std::int32_t>(triangle[0]);
+  v1[t] = static_cast<std::int32_t>(triangle[1]);
+  v2[t] = static_cast<std::int32_t>(triangle[2]);
+  e1_x[t] = to_1.real();
+  e1_y[t] = to_1.imag();
+  e2_x[t] = to_2.real();
+  e2_y[t] = to_2.imag();
+  weight0[t] = w[0];
+  weight1[t] = w[1];
+  weight2[t] = w[2];
 }
 
 void StarTable::Add(std::span<const Spoke> star) {

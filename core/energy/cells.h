@@ -52,7 +52,9 @@ struct FaceTable {
   std::vector<CellRun> runs;
 
   std::size_t size() const { return v0.size(); }
-  void Add(const Triangle& triangle, Complex to_1, Complex to_2, const double (&w)[3]);
+  void Resize(std::size_t triangles);
+  void Set(std::size_t t, const Triangle& triangle, Complex to_1, Complex to_2,
+           const double (&w)[3]);
 };
 
 // An edge of a star, from its middle.
@@ -97,7 +99,8 @@ Warning ClampedWarning(std::size_t edges);
 // kInvalidOption.
 Status CheckEnergyOptions(const EnergyOptions& options, std::size_t triangles);
 
-// Builds the cells. `frame` gives each triangle's shape; for EDGE cells the two triangles of a
+// Builds the cells. Of the topology of one component FACE cells without welds need nothing, which may be
+// empty then. `frame` gives each triangle's shape; for EDGE cells the two triangles of a
 // hinge are unfolded about their edge, one on each side, as their orientation says. VERTEX cells
 // need one common frame (planar meshes) and vertices without thousands of edges: kInvalidOption.
 //

@@ -21,14 +21,16 @@
 namespace arap {
 
 Assembly::Assembly(const CutSurface& cut, const std::vector<Chart>& charts)
-    : cut_(cut), charts_(charts), chart_of_(cut.source.size(), kNone) {
-  flat_.uv.resize(cut.source.size());
-  flat_.first_step.resize(cut.source.size());
-  flat_.source = cut.source;
-  flat_.triangle_chart.resize(cut.mesh.triangles.size());
-}
+    : cut_(cut), charts_(charts) {}
 
 void Assembly::Add(const Chart& chart, ChartLayout layout) {
+  if (flat_.charts.empty()) {
+    // Not before: the first chart's factors are gone by now.
+    flat_.uv.resize(cut_.source.size());
+    flat_.first_step.resize(cut_.source.size());
+    flat_.triangle_chart.resize(cut_.turned.size());
+    chart_of_.assign(cut_.source.size(), kNone);
+  }
   const auto index = static_cast<std::uint32_t>(flat_.charts.size());
   for (std::size_t v = 0; v < chart.vertices.size(); ++v) {
     flat_.uv[chart.vertices[v]] = layout.uv[v];
@@ -55,14 +57,16 @@ Result<Flattening> Assembly::Finish(std::span<const Wishes> wishes, const Flatte
   if (charts_.size() > 1 || options.energy.basis != Basis::kEdgeAsPublished) {
     PlaceCharts(wishes, chart_of_, flat_.uv, flat_.first_step);
   }
-  if (options.injective) CHECK_OK(CheckUpright());
   Corners();
+  if (options.injective) CHECK_OK(CheckUpright());
+  Turn();
   CHECK_OK(cancel.Check());
   Measure();
   if (!std::isfinite(flat_.distortion.arap_energy)) {
     return Fail(FaultKind::kNumerical, "The distortion of the flat shape is not finite.");
   }
   CHECK_OK(FindOverlaps(cancel));
+  flat_.source = cut_.source;
   flat_.cuts = cut_.cuts;
   flat_.auto_cuts = cut_.auto_cuts;
   flat_.degenerate = cut_.degenerate;
@@ -75,7 +79,7 @@ Result<Flattening> Assembly::Finish(std::span<const Wishes> wishes, const Flatte
 Status Assembly::CheckUpright() const {
   std::vector<bool> left_out(flat_.triangle_chart.size());
   for (const std::uint32_t t : cut_.degenerate) left_out[t] = true;
-  const auto flipped = NotUpright(cut_.mesh.triangles, flat_.uv, left_out);
+  const auto flipped = NotUpright(flat_.corner_uv, flat_.uv, left_out);
   if (flipped.empty()) return {};
   return Fail(Fault(FaultKind::kNotInjective,
                     fmt::format("{} triangles collapse when the layout is put into its place.",
@@ -86,10 +90,20 @@ Status Assembly::CheckUpright() const {
 }
 
 void Assembly::Corners() {
-  for (std::size_t t = 0; t < cut_.mesh.triangles.size(); ++t) {
-    auto corners = cut_.mesh.triangles[t];
-    if (cut_.turned[t]) std::swap(corners[1], corners[2]);
-    flat_.corner_uv.push_back(corners);
+  flat_.corner_uv.resize(cut_.turned.size());
+  for (const Chart& chart : charts_) {
+    for (std::size_t t = 0; t < chart.triangles.size(); ++t) {
+      const Triangle& c = chart.mesh.triangles[t];
+      flat_.corner_uv[chart.triangles[t]] = {chart.vertices[c[0]], chart.vertices[c[1]],
+                                             chart.vertices[c[2]]};
+    }
+  }
+}
+
+// As the triangles were given.
+void Assembly::Turn() {
+  for (std::size_t t = 0; t < flat_.corner_uv.size(); ++t) {
+    if (cut_.turned[t]) std::swap(flat_.corner_uv[t][1], flat_.corner_uv[t][2]);
   }
 }
 
@@ -99,7 +113,7 @@ void Assembly::Measure() {
   for (std::size_t c = 0; c < flat_.charts.size(); ++c) {
     const Chart& chart = charts_[c];
     DistortionSum own;
-    for (std::size_t t = 0; t < chart.triangles.size(); ++t) {
+    for (std::uint32_t t = 0; t < chart.triangles.size(); ++t) {
       const std::uint32_t id = chart.triangles[t];
       if (!chart.left_out.empty() && chart.left_out[t]) continue;
       std::array<Complex, 3> image;
@@ -109,14 +123,14 @@ void Assembly::Measure() {
         image[k] = (p - corner) / chart.diagonal;
       }
       const double unit = chart.diagonal * chart.diagonal;
-      const TriangleDistortion measured = MeasureTriangle(chart.frames[t], image);
+      const TriangleDistortion measured = MeasureTriangle(chart.Frame(t), image);
       own.Add(measured, unit, id);
-      whole.Add(measured, unit, id);
+      if (charts_.size() > 1) whole.Add(measured, unit, id);
       flat_.singular_values[id] = measured.singular_values;
     }
     flat_.charts[c].distortion = own.Mean();
   }
-  flat_.distortion = whole.Mean();
+  flat_.distortion = charts_.size() > 1 ? whole.Mean() : flat_.charts[0].distortion;
 }
 
 Status Assembly::FindOverlaps(const CancelToken& cancel) {

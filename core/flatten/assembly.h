@@ -21,7 +21,7 @@ namespace arap {
 // One flattening: Add for every chart of the surface in order, then Finish.
 class Assembly {
  public:
-  // Refers to both. `charts` are those of `cut`.
+  // Refers to both. `charts` are those of `cut`, whose mesh they have taken.
   Assembly(const CutSurface& cut, const std::vector<Chart>& charts);
 
   void Add(const Chart& chart, ChartLayout layout);
@@ -36,6 +36,7 @@ class Assembly {
  private:
   Status CheckUpright() const;
   void Corners();
+  void Turn();
   void Measure();
   Status FindOverlaps(const CancelToken& cancel);
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
 
 #include "core/base/try.h"
 #include "core/cut/pieces.h"
@@ -14,6 +17,11 @@ namespace {
 // The sides of a triangle without area grow by this part of the longest before it is laid flat: a
 // sliver of the right lengths.
 constexpr double kSliver = 1e-6;
+
+// Symmetric surfaces have several edges at one distance; rounding must not choose among them.
+constexpr double kEqualDistances = 1e-9;
+// Part of the diagonal below which an edge has no direction.
+constexpr double kNoLength = 1e-9;
 
 std::array<Complex, 3> SliverFrame(const SurfaceMesh& mesh, const Triangle& t) {
   std::array<double, 3> side;  // opposite corner k
@@ -41,21 +49,75 @@ void Normalise(Chart& chart) {
   }
 }
 
-void LayTrianglesFlat(const CutSurface& surface, Chart& chart) {
-  chart.frames.reserve(chart.mesh.triangles.size());
-  for (std::size_t t = 0; t < chart.mesh.triangles.size(); ++t) {
-    const bool degenerate = std::binary_search(surface.degenerate.begin(), surface.degenerate.end(),
-                                               chart.triangles[t]);
-    if (degenerate && chart.left_out.empty()) {
-      chart.left_out.resize(chart.mesh.triangles.size());
-    }
-    if (degenerate) chart.left_out[t] = true;
-    chart.frames.push_back(degenerate ? SliverFrame(chart.mesh, chart.mesh.triangles[t])
-                                      : LayFlat(chart.mesh, chart.mesh.triangles[t]));
+void LeaveOut(const std::vector<std::uint32_t>& degenerate, Chart& chart) {
+  if (degenerate.empty()) return;
+  for (std::size_t t = 0; t < chart.triangles.size(); ++t) {
+    if (!std::binary_search(degenerate.begin(), degenerate.end(), chart.triangles[t])) continue;
+    if (chart.left_out.empty()) chart.left_out.resize(chart.triangles.size());
+    chart.left_out[t] = true;
   }
 }
 
+// Shares vertices and triangles out among the charts, which are empty yet.
+void Distribute(CutSurface& surface, std::vector<Chart>& charts) {
+  std::vector<Triangle>& triangles = surface.mesh.triangles;
+  constexpr std::uint32_t kUnused = kNone;
+  std::vector<std::uint32_t> chart_of(surface.mesh.vertices.size(), kUnused);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    charts[surface.chart_of[t]].triangles.push_back(t);
+    for (const std::uint32_t v : triangles[t]) chart_of[v] = surface.chart_of[t];
+  }
+  // Vertices keep their order, so that a surface of one chart keeps its numbers.
+  std::vector<std::uint32_t> local(surface.mesh.vertices.size(), kNone);
+  for (std::uint32_t v = 0; v < chart_of.size(); ++v) {
+    if (chart_of[v] == kUnused) continue;
+    Chart& chart = charts[chart_of[v]];
+    local[v] = static_cast<std::uint32_t>(chart.vertices.size());
+    chart.vertices.push_back(v);
+    chart.mesh.vertices.push_back(surface.mesh.vertices[v]);
+  }
+  for (Chart& chart : charts) {
+    chart.mesh.triangles.reserve(chart.triangles.size());
+    for (const std::uint32_t t : chart.triangles) {
+      const Triangle& c = triangles[t];
+      chart.mesh.triangles.push_back({local[c[0]], local[c[1]], local[c[2]]});
+    }
+  }
+}
+
+bool AllUsed(const SurfaceMesh& mesh) {
+  std::vector<bool> used(mesh.vertices.size(), false);
+  for (const Triangle& t : mesh.triangles) {
+    for (const std::uint32_t v : t) used[v] = true;
+  }
+  return std::find(used.begin(), used.end(), false) == used.end();
+}
+
 }  // namespace
+
+std::array<std::uint32_t, 2> CentreEdge(const SurfaceMesh& mesh, std::span<const Side> sides) {
+  const Eigen::Vector3d centroid = AreaCentroid(mesh);
+  const Side* best = nullptr;
+  double nearest = std::numeric_limits<double>::infinity();
+  ForEachEdge(sides, [&](std::span<const Side> edge) {
+    const auto a = Vec(mesh.vertices[edge[0].v0]), b = Vec(mesh.vertices[edge[0].v1]);
+    if ((b - a).squaredNorm() < kNoLength * kNoLength) return;
+    const double distance = (0.5 * (a + b) - centroid).squaredNorm();
+    if (distance < nearest - kEqualDistances) best = &edge[0], nearest = distance;
+  });
+  if (best == nullptr) best = &sides.front();
+  return {best->v0, best->v1};
+}
+
+std::array<Complex, 3> Chart::Frame(std::uint32_t t) const {
+  const bool sliver = !left_out.empty() && left_out[t];
+  return sliver ? SliverFrame(mesh, mesh.triangles[t]) : LayFlat(mesh, mesh.triangles[t]);
+}
+
+Result<CellSystem> Chart::Cells(const EnergyOptions& options) const {
+  const TriangleFrame frame = [this](std::uint32_t t) { return Frame(t); };
+  return BuildCells(mesh.triangles, topology, options, frame, false, left_out);
+}
 
 Result<CellSystem> Chart::Cells(const EnergyOptions& options,
                                 const std::vector<std::array<Complex, 3>>& flat) const {
@@ -63,45 +125,36 @@ Result<CellSystem> Chart::Cells(const EnergyOptions& options,
   return BuildCells(mesh.triangles, topology, options, frame, false, left_out);
 }
 
-Result<std::vector<Chart>> MakeCharts(const CutSurface& surface, const CancelToken& cancel) {
-  // Components by their lowest triangle.
-  std::vector<std::uint32_t> chart_of(surface.topology.components, kNone);
-  std::vector<Chart> charts;
-  std::vector<std::uint32_t> local(surface.mesh.vertices.size(), kNone);
-  for (std::uint32_t t = 0; t < surface.mesh.triangles.size(); ++t) {
-    const Triangle& corners = surface.mesh.triangles[t];
-    std::uint32_t& index = chart_of[surface.topology.vertex_component[corners[0]]];
-    if (index == kNone) {
-      index = static_cast<std::uint32_t>(charts.size());
-      charts.emplace_back();
-    }
-    charts[index].triangles.push_back(t);
+Result<std::vector<Chart>> MakeCharts(CutSurface& surface, bool edges, const CancelToken& cancel) {
+  std::vector<Chart> charts(surface.charts);
+  std::vector<Side> sides;  // of the chart
+  if (charts.size() == 1 && AllUsed(surface.mesh)) {
+    // It is all of the surface and has the same numbers.
+    Chart& chart = charts.front();
+    sides = std::move(surface.sides);
+    chart.mesh = std::move(surface.mesh);
+    chart.vertices.resize(chart.mesh.vertices.size());
+    std::iota(chart.vertices.begin(), chart.vertices.end(), 0u);
+    chart.triangles.resize(chart.mesh.triangles.size());
+    std::iota(chart.triangles.begin(), chart.triangles.end(), 0u);
+  } else {
+    Distribute(surface, charts);
   }
-  // Vertices keep their order, so that a surface of one chart keeps its numbers.
-  for (std::uint32_t v = 0; v < surface.mesh.vertices.size(); ++v) {
-    const std::uint32_t component = surface.topology.vertex_component[v];
-    if (component == kNone) continue;
-    Chart& chart = charts[chart_of[component]];
-    local[v] = static_cast<std::uint32_t>(chart.vertices.size());
-    chart.vertices.push_back(v);
-    chart.mesh.vertices.push_back(surface.mesh.vertices[v]);
-  }
+  surface.mesh = {};
+  surface.sides = {};
+  surface.chart_of = {};
   for (Chart& chart : charts) {
     CHECK_OK(cancel.Check());
-    chart.mesh.triangles.reserve(chart.triangles.size());
-    for (const std::uint32_t t : chart.triangles) {
-      const Triangle& c = surface.mesh.triangles[t];
-      chart.mesh.triangles.push_back({local[c[0]], local[c[1]], local[c[2]]});
-    }
     Normalise(chart);
-    // A chart that is all of the surface has the same numbers.
-    const bool whole = chart.vertices.size() == surface.mesh.vertices.size();
-    chart.topology =
-        whole ? surface.topology : BuildTopology(chart.mesh.vertices.size(), chart.mesh.triangles);
-    for (BoundaryLoop& loop : BoundaryLoops(chart.mesh, chart.topology)) {
+    const std::size_t vertices = chart.mesh.vertices.size();
+    if (sides.empty()) sides = SortedSides(vertices, chart.mesh.triangles);
+    chart.centre = CentreEdge(chart.mesh, sides);
+    if (edges) chart.topology = BuildTopology(vertices, chart.mesh.triangles, sides);
+    for (BoundaryLoop& loop : BoundaryLoops(chart.mesh, sides)) {
       chart.loops.push_back(std::move(loop.vertices));
     }
-    LayTrianglesFlat(surface, chart);
+    sides.clear();
+    LeaveOut(surface.degenerate, chart);
   }
   return charts;
 }

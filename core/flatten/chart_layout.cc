@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -44,7 +45,7 @@ class LayoutSteps {
         energy_(energy),
         solver_(solver),
         cancel_(cancel),
-        centre_(CentreEdge(chart)),
+        centre_(chart.centre),
         factors_(name, n(), options.method, energy, cache) {}
 
   Result<ChartLayout> Run(const Wishes& wishes) {
@@ -105,10 +106,10 @@ class LayoutSteps {
         FlatAngles(chart_.mesh, chart_.topology, cancel_, kMaxAngleSteps, chart_.left_out));
     std::vector<std::array<Complex, 3>> frames;
     frames.reserve(angles.size());
-    for (std::size_t t = 0; t < angles.size(); ++t) {
+    for (std::uint32_t t = 0; t < angles.size(); ++t) {
       const bool left_out = !chart_.left_out.empty() && chart_.left_out[t];
-      frames.push_back(left_out ? chart_.frames[t]
-                                : FrameOfAngles(angles[t], chart_.frames[t][1].real()));
+      const auto own = chart_.Frame(t);
+      frames.push_back(left_out ? own : FrameOfAngles(angles[t], own[1].real()));
     }
     return chart_.Cells({Basis::kFace, Weights::kCotangent, energy_.rigidity}, frames);
   }
@@ -123,19 +124,25 @@ class LayoutSteps {
       null_space_ = false;
     }
     if (held_.empty()) {
-      TRY(const auto system, factors_.Free(cells_));
+      TRY(const auto system, factors_.Free(cells_, DropCells()));
       const double accuracy = options_.method == FlattenMethod::kArap ? kRoughly : kExactly;
       TRY(auto first, SpectralFirstStep(*system, chart_, centre_, accuracy, cancel_));
       SetFirstStep(std::move(first));
       return {};
     }
-    TRY(const auto system, factors_.Holding(cells_, held_));
+    TRY(const auto system, factors_.Holding(cells_, held_, DropCells()));
     TRY(auto first, HeldFirstStep(*system, held_, n()));
     SetFirstStep(std::move(first));
     if (!pins_ && options_.method == FlattenMethod::kArap && options_.refine > 0) {
       return Unfold(*system);
     }
     return {};
+  }
+
+  // Lets the cells of the first step go where no other step has the same.
+  std::function<void()> DropCells() {
+    if (options_.method == FlattenMethod::kArap) return {};
+    return [this] { cells_ = {}; };
   }
 
   // Refining starts from the shape without anchors where they fold the surface and it has fewer

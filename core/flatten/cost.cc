@@ -63,13 +63,16 @@ struct VertexCost {
 double LayoutBytes(const FlattenOptions& options, double log) {
   const bool edges = options.energy.basis != Basis::kFace;
   const bool spectral = options.anchors == FlattenAnchors::kSpectral;
-  double bytes = 1100 + 30 * log;
+  double bytes = 560 + 33 * log;
   if (options.method == FlattenMethod::kAbf) {
-    bytes = 1300 + 120 * log;
+    bytes = 1200 + 108 * log;
   } else if (edges) {
-    bytes = (spectral ? 1.5 : 1) * (300 + 240 * log);
+    bytes = (spectral ? 1.5 : 1) * std::max(170 * log, 310 * log - 1950);
   } else if (spectral) {
-    bytes = 900 + 95 * log;
+    bytes = 1050 + 10 * log;
+  } else if (options.method == FlattenMethod::kFirstStep && options.refine == 0) {
+    // Nothing but one factor.
+    bytes = std::max(450.0, 85 * log - 470);
   }
   return options.injective ? std::max(bytes, 2000 + 140 * log) : bytes;
 }
@@ -144,16 +147,17 @@ FlattenCost EstimateFlatten(const SurfaceSize& size, const FlattenOptions& optio
     micros += 1.2 * static_cast<double>(options.pins.size()) * cost.Iteration();
   }
   if (options.injective) micros += cost.Injective();
-  double total = vertices * micros + 1.3 * triangles + 17 * charts;
+  double total = vertices * micros + triangles + 17 * charts;
   if (abf) total += std::max(0.0, triangles - vertices + 2 * charts) * cost.Angles();
   if (options.cut.auto_cut) total += 2.5 * triangles;
 
-  double bytes = 1.5e6 + 500 * vertices + 500 * charts;
+  // Surfaces with EDGE cells or angles have the edges, too.
+  double bytes = 1.5e6 + (edges || abf ? 420 : 320) * vertices + 750 * charts;
   double layout = LayoutBytes(options, cost.log);
   if (SolvesForPins(options)) layout += 250;
   bytes += layout * static_cast<double>(largest);
-  // Of all charts the factors stay.
-  if (keep) bytes += 0.5 * layout * vertices;
+  // Of all charts the factors stay: of ARAP those of both steps.
+  if (keep) bytes += (options.method == FlattenMethod::kArap ? 0.8 : 0.35) * layout * vertices;
   return {1e-3 * total, static_cast<std::size_t>(bytes)};
 }
 

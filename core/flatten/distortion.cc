@@ -13,18 +13,24 @@ namespace {
 
 constexpr double kCap = 1e30;
 
-// A number whose argument is the angle at corner k, from 0 to π.
-Complex CornerOf(const std::array<Complex, 3>& triangle, std::size_t k) {
-  const Complex a = triangle[(k + 1) % 3] - triangle[k], b = triangle[(k + 2) % 3] - triangle[k];
-  const Complex corner(Dot(a, b), std::abs(Cross(a, b)));
-  return corner == Complex(0) ? Complex(1) : corner;
+// Numbers whose arguments are the angles at the corners, from 0 to π.
+std::array<Complex, 3> CornersOf(const std::array<Complex, 3>& p) {
+  const std::array<Complex, 3> side{p[1] - p[0], p[2] - p[1], p[0] - p[2]};
+  std::array<Complex, 3> corners;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Complex a = side[k], b = side[(k + 2) % 3];  // one towards the corner
+    const Complex corner(0 - Dot(a, b), std::abs(Cross(a, b)));
+    corners[k] = corner == Complex(0) ? Complex(1) : corner;
+  }
+  return corners;
 }
 
 // Largest change of a corner angle, radians.
 double AngleChange(const std::array<Complex, 3>& rest, const std::array<Complex, 3>& image) {
   Complex worst(1);
+  const auto now = CornersOf(image), before = CornersOf(rest);
   for (std::size_t k = 0; k < 3; ++k) {
-    const Complex turn = CornerOf(image, k) * std::conj(CornerOf(rest, k));
+    const Complex turn = now[k] * std::conj(before[k]);
     const Complex change(turn.real(), std::abs(turn.imag()));
     // Both point upwards: the farther one lies to the left of the other.
     if (Cross(worst, change) > 0) worst = change;

@@ -28,7 +28,7 @@ struct PreparedSurfaceParts {
   PreparedSurfaceParts(CutSurface cut, std::size_t vertices, std::vector<Chart> made,
                        std::size_t kept_factors);
 
-  CutSurface surface;  // without positions and topology: the charts have them
+  CutSurface surface;  // without its mesh: the charts have it
   std::size_t input_vertices;
   std::vector<Chart> charts;
   mutable FactorCache factors;
@@ -119,9 +119,9 @@ Fault Explained(Fault fault, const Chart& chart) {
   if (fault.kind != FaultKind::kNumerical) return fault;
   double most = 0;
   std::size_t thinnest = 0;
-  for (std::size_t t = 0; t < chart.frames.size(); ++t) {
+  for (std::uint32_t t = 0; t < chart.triangles.size(); ++t) {
     if (!chart.left_out.empty() && chart.left_out[t]) continue;
-    const auto& p = chart.frames[t];
+    const auto p = chart.Frame(t);
     const double longest =
         std::max({std::norm(p[1] - p[0]), std::norm(p[2] - p[1]), std::norm(p[2] - p[0])});
     const double aspect = longest / (p[1].real() * p[2].imag());
@@ -164,7 +164,7 @@ Result<Flattening> LayFlat(const PreparedSurfaceParts& surface, const FlattenOpt
   TRY(const auto wishes,
       FindWishes(surface.charts, surface.surface.source, surface.input_vertices, options, cancel));
   Assembly assembly(surface.surface, surface.charts);
-  const auto triangles = static_cast<double>(surface.surface.mesh.triangles.size());
+  const auto triangles = static_cast<double>(surface.surface.turned.size());
   std::size_t laid = 0;
   for (std::size_t c = 0; c < surface.charts.size(); ++c) {
     CHECK_OK(cancel.Check());
@@ -193,7 +193,7 @@ Result<Flattening> FlattenPrepared(const PreparedSurfaceParts& surface,
                                    PinSolver solver, const FlattenProgress& progress) {
   const Repair& repair = surface.surface.repair;
   if (!repair.changed()) {
-    CHECK_OK(CheckFlattenOptions(options, surface.surface.mesh.triangles.size()));
+    CHECK_OK(CheckFlattenOptions(options, surface.surface.turned.size()));
     return LayFlat(surface, options, cancel, solver, progress);
   }
   CHECK_OK(CheckFlattenOptions(options, repair.given.size()));
@@ -238,10 +238,7 @@ PreparedSurfaceParts::PreparedSurfaceParts(CutSurface cut, std::size_t vertices,
     : surface(std::move(cut)),
       input_vertices(vertices),
       charts(std::move(made)),
-      factors(std::min(kMaxKeptFactors, kept_factors * charts.size())) {
-  surface.topology = {};
-  surface.mesh.vertices = {};
-}
+      factors(std::min(kMaxKeptFactors, kept_factors * charts.size())) {}
 
 PreparedSurface::PreparedSurface(std::unique_ptr<const PreparedSurfaceParts> parts)
     : parts_(std::move(parts)) {}
@@ -249,15 +246,14 @@ PreparedSurface::PreparedSurface(std::unique_ptr<const PreparedSurfaceParts> par
 PreparedSurface::~PreparedSurface() = default;
 
 std::size_t PreparedSurface::bytes() const {
-  std::size_t bytes = BytesOf(parts_->surface.mesh) + BytesOf(parts_->surface.source) +
-                      BytesOf(parts_->surface.repair.given) +
+  std::size_t bytes = BytesOf(parts_->surface.source) + BytesOf(parts_->surface.repair.given) +
                       BytesOf(parts_->surface.repair.vertex) +
                       BytesOf(parts_->surface.repair.triangle) + parts_->factors.bytes();
   for (const Chart& chart : parts_->charts) {
     bytes += sizeof(Chart) + chart.left_out.capacity() / 8;
     for (const auto& loop : chart.loops) bytes += sizeof(loop) + BytesOf(loop);
     bytes += BytesOf(chart.mesh) + BytesOf(chart.topology) + BytesOf(chart.vertices) +
-             BytesOf(chart.triangles) + BytesOf(chart.frames);
+             BytesOf(chart.triangles);
   }
   return bytes;
 }
@@ -270,7 +266,7 @@ Result<std::shared_ptr<const PreparedSurface>> PrepareSurface(SurfaceMesh mesh,
                                                               const CancelToken& cancel) {
   const std::size_t vertices = mesh.vertices.size();
   TRY(auto surface, CutToCharts(std::move(mesh), cut, limits, cancel));
-  TRY(auto charts, MakeCharts(surface, cancel));
+  TRY(auto charts, MakeCharts(surface, true, cancel));
   return std::make_shared<const PreparedSurface>(std::make_unique<const PreparedSurfaceParts>(
       std::move(surface), vertices, std::move(charts), kKeptFactors));
 }
@@ -284,7 +280,8 @@ Result<Flattening> FlattenAtOnce(SurfaceMesh mesh, const FlattenOptions& options
   Tell(progress, "cutting", 0);
   TRY(auto surface, CutToCharts(std::move(mesh), options.cut, limits, cancel));
   Tell(progress, "charts", kCutDone);
-  TRY(auto charts, MakeCharts(surface, cancel));
+  const bool edges = options.energy.basis != Basis::kFace || options.method == FlattenMethod::kAbf;
+  TRY(auto charts, MakeCharts(surface, edges, cancel));
   // This surface is not flattened again: no factor is kept.
   const PreparedSurfaceParts prepared(std::move(surface), vertices, std::move(charts), 0);
   const double topology = timer.Lap();

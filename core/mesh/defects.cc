@@ -97,9 +97,8 @@ std::string Duplicates::WhichWay() const {
 Result<std::vector<Warning>> FindDefects(std::span<const Point3> points,
                                          std::span<const Triangle> triangles,
                                          std::span<const Side> sides, const RepairOptions& options,
-                                         const CancelToken& cancel) {
+                                         const Nearness& nearness, const CancelToken& cancel) {
   std::vector<Warning> warnings;
-  const Nearness nearness = NearnessOf(points, triangles, options);
   if (!std::isfinite(nearness.diagonal) || (options.weld && options.stitch)) return warnings;
   const std::vector<Side> border = BorderSides(sides);
   if (border.empty()) return warnings;

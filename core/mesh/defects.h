@@ -16,20 +16,6 @@
 
 namespace arap {
 
-// What repairs would mend that were not asked for: "twin_vertices" (border vertices that lie on others;
-// those of doubled triangles left out), "doubled_triangles" (corners at the same places as those of
-// another one, but other vertices), "t_junctions". Each sentence names the option. A mesh that is too
-// large to be measured has none. `sides` is what SortedSides makes of the triangles. Fault: that of
-// `cancel`. O(n log n) for n border edges, and O(#F log #F) where there are twins.
-Result<std::vector<Warning>> FindDefects(std::span<const Point3> points,
-                                         std::span<const Triangle> triangles,
-                                         std::span<const Side> sides, const RepairOptions& options,
-                                         const CancelToken& cancel);
-
-// Adds to the sentence of a fault what a repair could do about it: the first defect among the
-// warnings.
-Fault WithDefects(Fault fault, const std::vector<Warning>& warnings);
-
 // How near is together, in units of the mesh.
 struct Nearness {
   double diagonal = 0;  // of the box of all corners
@@ -38,6 +24,20 @@ struct Nearness {
 };
 Nearness NearnessOf(std::span<const Point3> points, std::span<const Triangle> triangles,
                     const RepairOptions& options);
+
+// What repairs would mend that were not asked for: "twin_vertices" (border vertices that lie on others;
+// those of doubled triangles left out), "doubled_triangles" (corners at the same places as those of
+// another one, but other vertices), "t_junctions". Each sentence names the option. A mesh that is too
+// large to be measured has none. `sides` is what SortedSides makes of the triangles, `nearness` what
+// NearnessOf says of them. Fault: that of `cancel`. O(n log n) for n border edges, and O(#F log #F) where there are twins.
+Result<std::vector<Warning>> FindDefects(std::span<const Point3> points,
+                                         std::span<const Triangle> triangles,
+                                         std::span<const Side> sides, const RepairOptions& options,
+                                         const Nearness& nearness, const CancelToken& cancel);
+
+// Adds to the sentence of a fault what a repair could do about it: the first defect among the
+// warnings.
+Fault WithDefects(Fault fault, const std::vector<Warning>& warnings);
 
 // The vertex that stands for each (#V) when all corners are welded; see FirstTwins.
 std::vector<std::uint32_t> WeldedVertices(std::span<const Point3> points,

@@ -99,6 +99,14 @@ Gluing GlueAll(std::span<const Side> sides) {
 
 Result<std::vector<bool>> TrianglesToTurn(std::span<const Triangle> triangles,
                                           const Gluing& gluing) {
+  // Most surfaces come with triangles that agree already.
+  bool agree = true;
+  for (std::uint32_t side = 0; side < gluing.mate.size() && agree; ++side) {
+    const std::uint32_t mate = gluing.mate[side];
+    if (mate == kNone || mate < side) continue;
+    agree = SideStart(triangles, side) != SideStart(triangles, mate);
+  }
+  if (agree) return std::vector<bool>(triangles.size(), false);
   return Orienter(triangles, gluing).Run();
 }
 

@@ -36,7 +36,7 @@ class Mender {
     CHECK_OK(CheckTolerance());
     if (!options_.any()) {
       sides_ = SortedSides(points_.size(), triangles_);
-      TRY(repair_.warnings, FindDefects(points_, triangles_, sides_, options_, cancel_));
+      TRY(repair_.warnings, FindDefects(points_, triangles_, sides_, options_, nearness_, cancel_));
       return std::move(repair_);
     }
     const std::vector<Triangle> given = triangles_;
@@ -62,7 +62,8 @@ class Mender {
       repair_.vertex = {};
       repair_.triangle = {};
     }
-    TRY(const auto defects, FindDefects(points_, triangles_, sides_, options_, cancel_));
+    TRY(const auto defects, FindDefects(points_, triangles_, sides_, options_,
+                                        NearnessOf(points_, triangles_, options_), cancel_));
     for (const Warning& defect : defects) repair_.warnings.push_back(repair_.OfGiven(defect));
     return std::move(repair_);
   }

@@ -30,6 +30,19 @@ inline double DiagonalOf(std::span<const Point3> points, std::span<const Triangl
   return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
+// The centre of mass of the triangles, weighed by their area. NaN where none has any.
+inline Eigen::Vector3d AreaCentroid(const SurfaceMesh& mesh) {
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+  double area = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Point3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+    const double weight = TwiceArea(a, b, c);
+    centroid += weight / 3 * (Vec(a) + Vec(b) + Vec(c));
+    area += weight;
+  }
+  return centroid / area;
+}
+
 inline Point3 ToPoint3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 }  // namespace arap

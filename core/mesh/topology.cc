@@ -104,6 +104,22 @@ void CountBoundaryLoops(std::span<const Triangle> triangles, Topology& topology)
   }
 }
 
+// Sides that come by triangle stay so where they belong to one edge.
+void SortByHigherVertex(std::span<Side> sides) {
+  constexpr std::size_t kShort = 16;
+  const auto before = [](const Side& a, const Side& b) { return a.v1 < b.v1; };
+  if (sides.size() > kShort) {
+    std::stable_sort(sides.begin(), sides.end(), before);
+    return;
+  }
+  for (std::size_t i = 1; i < sides.size(); ++i) {
+    const Side side = sides[i];
+    std::size_t to = i;
+    for (; to > 0 && before(side, sides[to - 1]); --to) sides[to] = sides[to - 1];
+    sides[to] = side;
+  }
+}
+
 }  // namespace
 
 std::vector<Side> SortedSides(std::size_t vertex_count, std::span<const Triangle> triangles) {
@@ -124,12 +140,9 @@ std::vector<Side> SortedSides(std::size_t vertex_count, std::span<const Triangle
       sides[start[side.v0]++] = side;
     }
   }
-  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
-    while (end < sides.size() && sides[end].v0 == sides[begin].v0) ++end;
-    std::sort(sides.begin() + static_cast<std::ptrdiff_t>(begin),
-              sides.begin() + static_cast<std::ptrdiff_t>(end), [](const Side& a, const Side& b) {
-                return a.v1 != b.v1 ? a.v1 < b.v1 : a.index < b.index;
-              });
+  // Now start[v] is where the bucket of v ends.
+  for (std::size_t v = 0, begin = 0; v < vertex_count; begin = start[v++]) {
+    SortByHigherVertex(std::span(sides).subspan(begin, start[v] - begin));
   }
   return sides;
 }

@@ -152,6 +152,7 @@ Status CheckDuplicates(std::span<const Triangle> triangles, std::span<const Side
   // Two triangles on the same vertices are two sides of one edge with the same opposite vertex.
   ForEachEdge(sides, [&](std::span<const Side> edge) {
     if (!status || edge.size() < 2) return;
+    if (edge.size() == 2 && opposite(edge[0]) != opposite(edge[1])) return;
     sorted.assign(edge.begin(), edge.end());
     std::sort(sorted.begin(), sorted.end(), [&](const Side& a, const Side& b) {
       return opposite(a) != opposite(b) ? opposite(a) < opposite(b) : a.index < b.index;

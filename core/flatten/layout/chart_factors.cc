@@ -27,17 +27,21 @@ ChartFactors::ChartFactors(std::string name, std::size_t vertices, FlattenMethod
       energy_(energy),
       cache_(cache) {}
 
-Result<ChartFactors::SimilarityFactor> ChartFactors::Holding(const Cells& cells, const Held& held) {
+Result<ChartFactors::SimilarityFactor> ChartFactors::Holding(
+    const Cells& cells, const Held& held, const std::function<void()>& assembled) {
   TRY(auto system, cache_.Get<Complex>(FirstKey("held", held), [&] {
-    return Timed(HeldSystem(cells, held, vertices_, [&](const auto& m) { return OrderOf(m); }));
+    return Timed(HeldSystem(
+        cells, held, vertices_, [&](const auto& m) { return OrderOf(m); }, assembled));
   }));
   order_ = system->order();
   return system;
 }
 
-Result<ChartFactors::SimilarityFactor> ChartFactors::Free(const Cells& cells) {
+Result<ChartFactors::SimilarityFactor> ChartFactors::Free(const Cells& cells,
+                                                          const std::function<void()>& assembled) {
   TRY(auto system, cache_.Get<Complex>(FirstKey("free", {}), [&] {
-    return Timed(SpectralSystem(cells, vertices_, [&](const auto& m) { return OrderOf(m); }));
+    return Timed(SpectralSystem(
+        cells, vertices_, [&](const auto& m) { return OrderOf(m); }, assembled));
   }));
   order_ = system->order();
   return system;

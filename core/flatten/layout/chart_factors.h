@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -141,11 +142,12 @@ class ChartFactors {
   ChartFactors(std::string name, std::size_t vertices, FlattenMethod method,
                const EnergyOptions& energy, FactorCache& cache);
 
-  // The matrix of the first step with `held` (at least two) kept.
-  Result<SimilarityFactor> Holding(const Cells& cells, const Held& held);
+  // The matrix of the first step with `held` (at least two) kept. `assembled` as HeldSystem calls it.
+  Result<SimilarityFactor> Holding(const Cells& cells, const Held& held,
+                                   const std::function<void()>& assembled = {});
 
   // The same with nothing kept, for the spectral first step.
-  Result<SimilarityFactor> Free(const Cells& cells);
+  Result<SimilarityFactor> Free(const Cells& cells, const std::function<void()>& assembled = {});
 
   // The matrix of the rigid step with `held` kept, or `still` where nothing is held. After a first
   // step, whose order it takes. `refining`: `cells` are FACE with cotangents, so that the matrix is

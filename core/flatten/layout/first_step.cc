@@ -76,7 +76,10 @@ Complex Dot(const std::vector<Complex>& a, const std::vector<Complex>& b) {
 
 double Area(const Chart& chart) {
   double area = 0;
-  for (const auto& frame : chart.frames) area += 0.5 * frame[1].real() * frame[2].imag();
+  for (std::uint32_t t = 0; t < chart.triangles.size(); ++t) {
+    const auto frame = chart.Frame(t);
+    area += 0.5 * frame[1].real() * frame[2].imag();
+  }
   return area;
 }
 
@@ -240,9 +243,11 @@ Result<Order> NewOrder(const Eigen::SparseMatrix<Complex>& lower) {
 }
 
 Result<GroundedSystem<Complex>> HeldSystem(const Cells& cells, const Held& held,
-                                           std::size_t vertices, const OrderSource& order) {
+                                           std::size_t vertices, const OrderSource& order,
+                                           const std::function<void()>& assembled) {
   Eigen::SparseMatrix<Complex> matrix =
       AssembleSimilarity(cells, std::vector<bool>(vertices, false));
+  if (assembled) assembled();
   for (const HeldVertex& h : held.vertices) {
     const auto v = static_cast<Eigen::Index>(h.vertex);
     if (h.weight > 0) matrix.coeffRef(v, v) += h.weight;
@@ -265,9 +270,11 @@ Result<std::vector<Complex>> HeldFirstStep(const GroundedSystem<Complex>& system
 }
 
 Result<GroundedSystem<Complex>> SpectralSystem(const Cells& cells, std::size_t vertices,
-                                               const OrderSource& order) {
+                                               const OrderSource& order,
+                                               const std::function<void()>& assembled) {
   const std::vector<bool> none(vertices, false);
   Eigen::SparseMatrix<Complex> matrix = AssembleSimilarity(cells, none);
+  if (assembled) assembled();
   const double shift = kShift * matrix.diagonal().real().mean();
   for (Eigen::Index v = 0; v < matrix.rows(); ++v) matrix.coeffRef(v, v) += shift;
   TRY(const Order found, order(matrix));

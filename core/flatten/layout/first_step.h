@@ -19,10 +19,13 @@ namespace arap {
 using OrderSource = std::function<Result<Order>(const Eigen::SparseMatrix<Complex>&)>;
 Result<Order> NewOrder(const Eigen::SparseMatrix<Complex>& lower);
 
-// The similarity matrix of `cells` with `held` (at least two) kept, factored. Fault: kNumerical.
+// The similarity matrix of `cells` with `held` (at least two) kept, factored. `assembled` is called when
+// the cells have been read, which may be let go then: the factor takes the most memory of all. Fault:
+// kNumerical.
 Result<GroundedSystem<Complex>> HeldSystem(const Cells& cells, const Held& held,
                                            std::size_t vertices,
-                                           const OrderSource& order = NewOrder);
+                                           const OrderSource& order = NewOrder,
+                                           const std::function<void()>& assembled = {});
 
 // Least similarity energy with `held` at their places: #V, units of the chart. Fault: kNumerical.
 Result<std::vector<Complex>> HeldFirstStep(const GroundedSystem<Complex>& system, const Held& held,
@@ -30,7 +33,8 @@ Result<std::vector<Complex>> HeldFirstStep(const GroundedSystem<Complex>& system
 
 // The matrix with nothing kept, but raised a little, factored. Fault: kNumerical.
 Result<GroundedSystem<Complex>> SpectralSystem(const Cells& cells, std::size_t vertices,
-                                               const OrderSource& order = NewOrder);
+                                               const OrderSource& order = NewOrder,
+                                               const std::function<void()>& assembled = {});
 
 // Least similarity energy for a given spread of the boundary, by inverse iteration; then scaled to
 // the true area and laid with the centre edge `anchors` along the real axis, its first end at 0.

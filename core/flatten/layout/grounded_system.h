@@ -25,36 +25,18 @@ using Order = std::shared_ptr<const std::vector<int>>;
 template <class Scalar>
 class GroundedSystem {
  public:
-  // `lower` (#n×#n, lower triangle) is the matrix with nothing held; `fixed` (#n) says what is.
-  // `order` is an elimination order of a pattern around this one. Faults: those of Factor::Make.
+  // `lower` (#n×#n, lower triangle with all of the diagonal) is the matrix with nothing held; `fixed` (#n)
+  // says what is. `order` is an elimination order of a pattern around this one. Faults: those of Factor::Make.
   static Result<GroundedSystem> Make(Eigen::SparseMatrix<Scalar> lower, std::vector<bool> fixed,
                                      FactorLayout layout, const Order& order) {
     GroundedSystem system;
-    Eigen::SparseMatrix<Scalar> grounded(lower.rows(), lower.cols());
-    grounded.reserve(lower.nonZeros() + lower.cols());
-    for (Eigen::Index column = 0; column < lower.outerSize(); ++column) {
-      grounded.startVec(column);
-      const auto c = static_cast<std::size_t>(column);
-      if (fixed[c]) grounded.insertBack(column, column) = Scalar(1);
-      for (typename Eigen::SparseMatrix<Scalar>::InnerIterator it(lower, column); it; ++it) {
-        const auto r = static_cast<std::size_t>(it.row());
-        if (!fixed[r] && !fixed[c]) {
-          grounded.insertBack(it.row(), column) = it.value();
-        } else if (!fixed[r]) {
-          system.couplings_.push_back({r, c, it.value()});
-        } else if (!fixed[c]) {
-          system.couplings_.push_back({c, r, Eigen::numext::conj(it.value())});
-        }
-      }
-    }
-    grounded.finalize();
-    Eigen::SparseMatrix<Scalar>().swap(lower);  // the factor needs the most memory of all
-    auto factor = Factor<Scalar>::Make(grounded, layout, *order);
+    system.Ground(fixed, lower);
+    auto factor = Factor<Scalar>::Make(lower, layout, *order);
     for (double lift = kFirstLift;
          !factor && factor.error().kind == FaultKind::kNumerical && lift <= kLastLift;
          lift *= kMoreLift) {
-      system.Lift(lift, fixed, grounded);
-      factor = Factor<Scalar>::Make(grounded, layout, *order);
+      system.Lift(lift, fixed, lower);
+      factor = Factor<Scalar>::Make(lower, layout, *order);
     }
     if (!factor) return Fail(std::move(factor).error());
     system.factor_ = *std::move(factor);
@@ -105,6 +87,29 @@ class GroundedSystem {
   // when solving.
   static constexpr double kFirstLift = 1e-13, kMoreLift = 1e2, kLastLift = 1e-5;
   static constexpr int kLiftSteps = 8;
+
+  // Makes rows and columns of fixed vertices those of the identity, in place, and keeps what they were.
+  void Ground(const std::vector<bool>& fixed, Eigen::SparseMatrix<Scalar>& matrix) {
+    int *outer = matrix.outerIndexPtr(), *inner = matrix.innerIndexPtr();
+    Scalar* values = matrix.valuePtr();
+    int end = 0;
+    for (std::size_t c = 0; c < fixed.size(); ++c) {
+      const int from = std::exchange(outer[c], end), to = outer[c + 1];
+      for (int at = from; at < to; ++at) {
+        const auto r = static_cast<std::size_t>(inner[at]);
+        if (fixed[r] == fixed[c] && (!fixed[r] || r == c)) {
+          inner[end] = inner[at];
+          values[end++] = fixed[r] ? Scalar(1) : values[at];
+        } else if (!fixed[r]) {
+          couplings_.push_back({r, c, values[at]});
+        } else if (!fixed[c]) {
+          couplings_.push_back({c, r, Eigen::numext::conj(values[at])});
+        }
+      }
+    }
+    outer[fixed.size()] = end;
+    matrix.resizeNonZeros(end);
+  }
 
   void Lift(double part, const std::vector<bool>& fixed, Eigen::SparseMatrix<Scalar>& matrix) {
     lifted_.resize(fixed.size(), 0);

@@ -1,7 +1,5 @@
 #include "core/flatten/layout/held.h"
 
-#include <limits>
-
 #include "core/mesh/space.h"
 
 namespace arap {
@@ -9,20 +7,6 @@ namespace {
 
 // Symmetric surfaces have several places at one distance; rounding must not choose among them.
 constexpr double kTie = 1e-9;
-// Part of the diagonal below which an edge has no direction.
-constexpr double kNoLength = 1e-9;
-
-Eigen::Vector3d Centroid(const SurfaceMesh& mesh) {
-  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
-  double area = 0;
-  for (const Triangle& t : mesh.triangles) {
-    const Point3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-    const double weight = TwiceArea(a, b, c);
-    centroid += weight / 3 * (Vec(a) + Vec(b) + Vec(c));
-    area += weight;
-  }
-  return centroid / area;
-}
 
 // The boundary vertex farthest from `from`, other than `not_this`.
 std::uint32_t FarthestOnBoundary(const Chart& chart, const Eigen::Vector3d& from,
@@ -41,23 +25,8 @@ std::uint32_t FarthestOnBoundary(const Chart& chart, const Eigen::Vector3d& from
 
 }  // namespace
 
-std::array<std::uint32_t, 2> CentreEdge(const Chart& chart) {
-  const SurfaceMesh& mesh = chart.mesh;
-  const Eigen::Vector3d centroid = Centroid(mesh);
-  const Edge* best = nullptr;
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const Edge& edge : chart.topology.edges) {
-    const auto a = Vec(mesh.vertices[edge.v0]), b = Vec(mesh.vertices[edge.v1]);
-    if ((b - a).squaredNorm() < kNoLength * kNoLength) continue;
-    const double distance = (0.5 * (a + b) - centroid).squaredNorm();
-    if (distance < nearest - kTie) best = &edge, nearest = distance;
-  }
-  if (best == nullptr) best = &chart.topology.edges.front();
-  return {best->v0, best->v1};
-}
-
 std::array<std::uint32_t, 2> FarBoundaryPair(const Chart& chart) {
-  const std::uint32_t a = FarthestOnBoundary(chart, Centroid(chart.mesh), kNone);
+  const std::uint32_t a = FarthestOnBoundary(chart, AreaCentroid(chart.mesh), kNone);
   return {a, FarthestOnBoundary(chart, Vec(chart.mesh.vertices[a]), a)};
 }
 

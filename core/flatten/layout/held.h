@@ -35,10 +35,6 @@ struct Held {
   }
 };
 
-// Ends of the edge whose middle is nearest to the area centroid; of the lowest such edge. Edges
-// without length do not count [II09 §7 "an edge at the center of the mesh"].
-std::array<std::uint32_t, 2> CentreEdge(const Chart& chart);
-
 // The boundary vertex farthest from the centroid and the one farthest from that. Never the
 // quadratic search for the farthest pair.
 std::array<std::uint32_t, 2> FarBoundaryPair(const Chart& chart);

@@ -1,6 +1,7 @@
 #include "core/flatten/sheet/pack.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -17,8 +18,41 @@ constexpr double kWorthTurning = 1e-9;
 constexpr double kShortestShelf = 0.8, kLongestShelf = 1.6;
 constexpr int kShelves = 17;
 
+// Leaves out points well inside of the farthest ones in eight directions, which are on no hull: most points of
+// a chart.
+void DropInside(std::vector<Complex>& points) {
+  constexpr std::size_t kHandful = 64;
+  if (points.size() < kHandful) return;
+  // How far a point is in each direction, counter-clockwise.
+  const auto reach = [](Complex p) {
+    const double x = p.real(), y = p.imag();
+    return std::array<double, 8>{x, x + y, y, y - x, -x, -x - y, -y, x - y};
+  };
+  std::array<Complex, 8> corner;
+  corner.fill(points.front());
+  std::array<double, 8> farthest = reach(points.front());
+  for (const Complex p : points) {
+    const auto own = reach(p);
+    for (std::size_t k = 0; k < 8; ++k) {
+      if (own[k] > farthest[k]) farthest[k] = own[k], corner[k] = p;
+    }
+  }
+  constexpr double kWellInside = 1e-9;
+  const double width = farthest[0] + farthest[4], height = farthest[2] + farthest[6];
+  const double margin = kWellInside * (width * width + height * height);
+  const auto inside = [&](Complex p) {
+    for (std::size_t k = 0; k < 8; ++k) {
+      const Complex from = corner[k], side = corner[(k + 1) % 8] - from;
+      if (side != Complex(0) && !(Cross(side, p - from) > margin)) return false;
+    }
+    return margin > 0;
+  };
+  points.erase(std::remove_if(points.begin(), points.end(), inside), points.end());
+}
+
 // Convex hull, counter-clockwise, without points on its sides [Andrew's monotone chain].
 std::vector<Complex> Hull(std::vector<Complex> points) {
+  DropInside(points);
   const auto before = [](Complex a, Complex b) {
     return a.real() != b.real() ? a.real() < b.real() : a.imag() < b.imag();
   };

@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 
 TEST(CutTest, KeepsHolesUnlessAskedToCut) {
   const SurfaceMesh ring = Flat(Annulus(3, 20, 1, 3));
-  EXPECT_EQ(MustCut(ring, {}).topology.boundary_loops, 2u);
+  EXPECT_EQ(TopologyOf(MustCut(ring, {})).boundary_loops, 2u);
   const CutSurface cut = MustCutToDisks(ring, 1, AutoCut());
   EXPECT_NEAR(LengthOf(ring, cut.cuts), 2, 1e-9) << "straight across";
   EXPECT_EQ(cut.auto_cuts, cut.cuts.size());

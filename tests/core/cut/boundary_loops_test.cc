@@ -19,7 +19,8 @@ using ::testing::ElementsAre;
 TEST(BoundaryLoopsTest, TheOutlineComesFirstAndRunsWithTheTriangles) {
   const SurfaceMesh rings = Together(Flat(Annulus(2, 12, 1, 3)), Flat(Grid(2, 1, 2, 1)), {9, 0, 0});
   const CutSurface cut = MustCut(rings, {});
-  const std::vector<BoundaryLoop> loops = BoundaryLoops(cut.mesh, cut.topology);
+  const std::vector<BoundaryLoop> loops =
+      BoundaryLoops(cut.mesh, cut.sides, TopologyOf(cut).vertex_component);
   ASSERT_EQ(loops.size(), 3u);
   const auto area = [&](const BoundaryLoop& loop) {
     double sum = 0;
@@ -55,7 +56,7 @@ TEST(BoundaryLoopsTest, OfEquallyLongOnesTheLowestVertexLeads) {
     tube.triangles.push_back({i, j, 7 + j});
     tube.triangles.push_back({i, 7 + j, 7 + i});
   }
-  const auto loops = BoundaryLoops(tube, BuildTopology(14, tube.triangles));
+  const auto loops = BoundaryLoops(tube, SortedSides(14, tube.triangles));
   ASSERT_EQ(loops.size(), 2u);
   EXPECT_THAT(loops[0].vertices, ElementsAre(0, 1, 2, 3, 4, 5, 6));
   EXPECT_EQ(loops[1].vertices.front(), 7u);

@@ -31,9 +31,14 @@ std::map<Pair, std::vector<std::uint32_t>> Edges(const std::vector<Triangle>& tr
   return edges;
 }
 
+Topology TopologyOf(const CutSurface& cut) {
+  return BuildTopology(cut.mesh.vertices.size(), cut.mesh.triangles);
+}
+
 std::vector<int> EulerCharacteristics(const CutSurface& cut) {
-  std::vector<int> euler(cut.topology.components, 0);
-  const auto& component = cut.topology.vertex_component;
+  const Topology topology = TopologyOf(cut);
+  std::vector<int> euler(topology.components, 0);
+  const auto& component = topology.vertex_component;
   for (const std::uint32_t c : component) {
     if (c != kNone) ++euler[c];
   }
@@ -65,12 +70,20 @@ void CheckAgainst(const SurfaceMesh& input, const CutSurface& cut) {
       EXPECT_TRUE(directed.insert(Pair{t[k], t[(k + 1) % 3]}).second);
     }
   }
-  EXPECT_EQ(cut.topology.pieces, cut.topology.components);
-  EXPECT_THAT(cut.topology.joints, IsEmpty());
+  const Topology topology = TopologyOf(cut);
+  EXPECT_EQ(topology.pieces, topology.components);
+  EXPECT_THAT(topology.joints, IsEmpty());
+  EXPECT_EQ(cut.charts, topology.pieces);
+  EXPECT_EQ(cut.chart_of, topology.triangle_piece);
+  const std::vector<Side> sides = SortedSides(cut.mesh.vertices.size(), cut.mesh.triangles);
+  EXPECT_TRUE(
+      std::equal(sides.begin(), sides.end(), cut.sides.begin(), cut.sides.end(),
+                 [](const Side& a, const Side& b) { return a.SameEdge(b) && a.index == b.index; }));
   // Planar: χ = 2 − boundary loops, for every component.
-  const std::vector<BoundaryLoop> loops = BoundaryLoops(cut.mesh, cut.topology);
-  EXPECT_EQ(loops.size(), cut.topology.boundary_loops);
-  std::vector<int> expected(cut.topology.components, 2);
+  const std::vector<BoundaryLoop> loops =
+      BoundaryLoops(cut.mesh, cut.sides, topology.vertex_component);
+  EXPECT_EQ(loops.size(), topology.boundary_loops);
+  std::vector<int> expected(topology.components, 2);
   for (const BoundaryLoop& loop : loops) --expected[loop.component];
   EXPECT_EQ(EulerCharacteristics(cut), expected);
   for (const int euler : expected) EXPECT_LE(euler, 1);

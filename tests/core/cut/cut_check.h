@@ -21,6 +21,9 @@ std::vector<std::string> Kinds(const std::vector<Warning>& warnings);
 // The triangles of every edge.
 std::map<Pair, std::vector<std::uint32_t>> Edges(const std::vector<Triangle>& triangles);
 
+// Of its mesh, from scratch.
+Topology TopologyOf(const CutSurface& cut);
+
 // Of every component, counted from the triangles.
 std::vector<int> EulerCharacteristics(const CutSurface& cut);
 

@@ -1,7 +1,12 @@
 // Surfaces of every kind made into charts: what is refused, split, turned and let through.
+#include <algorithm>
+#include <set>
+#include <utility>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/cut/pieces.h"
 #include "core/mesh/space.h"
 #include "tests/core/cut/cut_check.h"
 #include "tests/support/meshes.h"
@@ -49,7 +54,49 @@ TEST(CutTest, PartsThatTouchInAVertexAreNamedOrSplit) {
   }
   EXPECT_EQ(FaultOf(ring, {}).kind, FaultKind::kNonManifoldVertex);
   EXPECT_THAT(FaultOf(ring, {}).elements, ElementsAre(4));
-  EXPECT_EQ(MustCut(ring, split).topology.boundary_loops, 2u);
+  EXPECT_EQ(TopologyOf(MustCut(ring, split)).boundary_loops, 2u);
+}
+
+// Triangles taken out at random, some of them back on other corners: fans counted from scratch.
+TEST(TouchingVerticesTest, AreThoseOfSeveralFans) {
+  std::size_t found = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    Random random(seed);
+    SurfaceMesh mesh = seed % 2 == 0 ? Flat(JitteredGrid(7, 6, seed)) : Torus(7, 6, 3, 1);
+    std::erase_if(mesh.triangles, [&](const Triangle&) { return random.Below(100) < 35; });
+    for (Triangle& t : mesh.triangles) {
+      if (random.Below(2) == 0) std::swap(t[0], t[1]);
+    }
+    if (seed % 3 == 0) {  // an edge with a third triangle
+      mesh.vertices.push_back({9, 9, 9});
+      const Triangle first = mesh.triangles.front();
+      const auto last = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
+      mesh.triangles.push_back({first[0], first[1], last});
+      mesh.triangles.push_back({first[1], first[2], last});
+    }
+    const auto edges = Edges(mesh.triangles);
+    std::vector<std::uint32_t> expected;
+    for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+      UnionFind fans(mesh.triangles.size());
+      for (const auto& [edge, around] : edges) {
+        if (edge[0] != v && edge[1] != v) continue;
+        for (const std::uint32_t t : around) fans.Join(t, around[0]);
+      }
+      std::set<std::uint32_t> roots;
+      for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        if (std::count(mesh.triangles[t].begin(), mesh.triangles[t].end(), v) > 0) {
+          roots.insert(fans.Find(t));
+        }
+      }
+      if (roots.size() > 1) expected.push_back(v);
+    }
+    const auto sides = SortedSides(mesh.vertices.size(), mesh.triangles);
+    EXPECT_EQ(TouchingVertices(mesh.vertices.size(), mesh.triangles, sides, GlueAll(sides)),
+              expected)
+        << seed;
+    found += expected.size();
+  }
+  EXPECT_GT(found, 100u);
 }
 
 TEST(CutTest, EdgesOfManyTrianglesAreNamedOrSplit) {
@@ -121,7 +168,7 @@ TEST(CutTest, UnreferencedVerticesKeepTheirPlace) {
   ball.vertices.push_back({7, 7, 7});
   const auto loose = static_cast<std::uint32_t>(ball.vertices.size() - 1);
   const CutSurface cut = MustCutToDisks(ball, 1, AutoCut());
-  EXPECT_EQ(cut.topology.vertex_component[loose], kNone);
+  EXPECT_EQ(TopologyOf(cut).vertex_component[loose], kNone);
   EXPECT_THAT(Kinds(cut.warnings), ElementsAre("unreferenced_vertices"));
 }
 

@@ -25,7 +25,7 @@ TEST(CutTest, ASeamInsideADoublesItsInnerVerticesOnly) {
               UnorderedElementsAre(17, 18));
   EXPECT_THAT(cut.cuts, ElementsAre(Pair{16, 17}, Pair{17, 18}, Pair{18, 19}));
   EXPECT_EQ(cut.auto_cuts, 0u);
-  EXPECT_EQ(cut.topology.boundary_loops, 2u);  // a slit is a hole
+  EXPECT_EQ(TopologyOf(cut).boundary_loops, 2u);  // a slit is a hole
 }
 
 TEST(CutTest, ASeamThatEndsOnTheBoundaryDoublesThatEnd) {
@@ -87,7 +87,7 @@ TEST(CutTest, SeamsAndAutomaticCutsTogether) {
   std::vector<Pair> ring;  // round the tube
   for (std::uint32_t j = 0; j < 12; ++j) ring.push_back(Sorted(j, (j + 1) % 12));
   const CutSurface tube = MustCut(torus, WithSeams(ring));
-  EXPECT_EQ(tube.topology.boundary_loops, 2u);
+  EXPECT_EQ(TopologyOf(tube).boundary_loops, 2u);
   CutOptions options = WithSeams(ring);
   options.auto_cut = true;
   const CutSurface cut = MustCutToDisks(torus, 1, options);

@@ -70,8 +70,8 @@ void ExpectCharts(const std::vector<Good>& all, std::size_t holed) {
     SCOPED_TRACE(good.name);
     const CutSurface whole = MustCut(good.mesh, {});
     EXPECT_THAT(whole.cuts, ::testing::IsEmpty());
-    EXPECT_EQ(whole.topology.components, good.components);
-    found += whole.topology.boundary_loops > good.components;
+    EXPECT_EQ(TopologyOf(whole).components, good.components);
+    found += TopologyOf(whole).boundary_loops > good.components;
     MustCutToDisks(good.mesh, good.components, AutoCut());
   }
   EXPECT_EQ(found, holed);

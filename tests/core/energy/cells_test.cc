@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/energy/assemble.h"
+#include "tests/support/meshes.h"
 #include "tests/support/must.h"
 
 namespace arap::testing {
@@ -101,6 +102,30 @@ TEST(CellsTest, TheMatrixOfALargeStarIsTheSumOfItsResiduals) {
       EXPECT_LE(std::abs(got - expected[row]), 1e-11) << row << " " << v;
       if (row == v) {
         EXPECT_EQ(got.imag(), 0);
+      }
+    }
+  }
+}
+
+TEST(CellsTest, TheMatrixOfFacesIsTheSumOfTheirResiduals) {
+  const PlanarMesh mesh = JitteredGrid(6, 5, 3);
+  for (const Weights weights : {Weights::kUniform, Weights::kCotangent}) {
+    const Topology topology = BuildTopology(mesh.vertices.size(), mesh.triangles);
+    const auto frame = [&](std::uint32_t t) -> std::array<Complex, 3> {
+      const Triangle& k = mesh.triangles[t];
+      return {mesh.vertices[k[0]], mesh.vertices[k[1]], mesh.vertices[k[2]]};
+    };
+    const EnergyOptions options{Basis::kFace, weights, {}};
+    const Cells cells = Must(BuildCells(mesh.triangles, topology, options, frame, true)).cells;
+    const std::size_t n = mesh.vertices.size();
+    const auto lower = AssembleSimilarity(cells, std::vector<bool>(n, false));
+    for (std::uint32_t v = 0; v < n; ++v) {
+      std::vector<Complex> unit(n);
+      unit[v] = 1;
+      const std::vector<Complex> expected = SimilarityForceAt(cells, unit).force;  // a column
+      for (std::uint32_t row = v; row < n; ++row) {
+        const Complex got = lower.coeff(static_cast<int>(row), static_cast<int>(v));
+        EXPECT_LE(std::abs(got - expected[row]), 1e-13) << row << " " << v;
       }
     }
   }

@@ -119,6 +119,11 @@ bool ForgetPeak() {
   return file.good();
 }
 
+FlattenOptions CentreEdge(FlattenOptions options) {
+  options.anchors = FlattenAnchors::kCentreEdge;
+  return options;
+}
+
 TEST(FlattenCostTest, SaysTheMemoryWithinAThird) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "A sanitizer needs memory of its own.";
@@ -127,6 +132,7 @@ TEST(FlattenCostTest, SaysTheMemoryWithinAThird) {
       {"ARAP", ArapOptions()},
       {"ARAP, EDGE cells", ArapOptions(Basis::kEdge)},
       {"LSCM", LscmOptions()},
+      {"LSCM, centre edge", CentreEdge(LscmOptions())},
       {"ABF", AbfOptions()}};
   for (const auto& mesh : {Sheet(120, 0), Sheets(20, 40), Sheets(4000, 1)}) {
     for (const auto& [name, options] : methods) {

@@ -42,10 +42,11 @@ struct Case {
   explicit Case(const SurfaceMesh& mesh, bool cut = false) {
     CutOptions options;
     options.auto_cut = cut;
-    charts = Must(MakeCharts(Must(CutToCharts(mesh, options, {}, {}))));
+    CutSurface surface = Must(CutToCharts(mesh, options, {}, {}));
+    charts = Must(MakeCharts(surface));
     EXPECT_EQ(charts.size(), 1u);
     cells = Must(chart().Cells({Basis::kFace, Weights::kCotangent, {}})).cells;
-    ground = CentreEdge(chart());
+    ground = chart().centre;
     held = HoldAtDistance(chart(), ground);
     system = std::make_unique<GroundedSystem<Complex>>(Must(HeldSystem(cells, held, n())));
     first = Must(HeldFirstStep(*system, held, n()));
@@ -156,7 +157,7 @@ TEST(HardSurfacesTest, AreWhatTheySay) {
     SCOPED_TRACE(hard.name);
     EXPECT_GE(hard.mesh.vertices.size(), 1000u);
     EXPECT_LE(hard.mesh.vertices.size(), 5000u);
-    const auto cut = CutToCharts(hard.mesh, {}, {}, {});
+    auto cut = CutToCharts(hard.mesh, {}, {}, {});
     ASSERT_TRUE(cut) << cut.error().message;
     const auto charts = Must(MakeCharts(*cut));
     ASSERT_EQ(charts.size(), 1u);

@@ -154,7 +154,7 @@ TEST(WishesTest, ManyGrainLinesOnOneEdgeAreFoundInOnePass) {
     book.triangles.push_back({0, 1, page + 2});
     options.grain_lines.push_back({page % 2, 1 - page % 2, 0.5});
   }
-  const CutSurface cut = Must(CutToCharts(book, options.cut));
+  CutSurface cut = Must(CutToCharts(book, options.cut));
   const std::vector<Chart> charts = Must(MakeCharts(cut));
   std::size_t asked = 0;
   const CancelToken cancel([&asked]() -> Status {
