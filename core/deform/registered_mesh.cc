@@ -13,6 +13,7 @@
 #include "core/mesh/locate.h"
 #include "core/mesh/repair.h"
 #include "core/mesh/validation.h"
+#include "core/sparse/elimination_order.h"
 
 namespace arap {
 namespace {

@@ -7,60 +7,18 @@
 #include <type_traits>
 
 #include <cholmod.h>
-#include <fmt/format.h>
 #include <sys/mman.h>
 
 #include "core/base/cpu_timer.h"
 #include "core/base/large_pages.h"
 #include "core/base/try.h"
-#include "core/sparse/dissection.h"
+#include "core/sparse/cholmod_types.h"
 #include "core/sparse/library_guards.h"
 #include "core/sparse/packed_factor.h"
 #include "core/sparse/supernodal.h"
 
 namespace arap {
 namespace {
-
-// CHOLMOD's state, one per thread of work. Silent; failures are seen in `status`.
-class Common {
- public:
-  Common() {
-    cholmod_start(&common_);
-    common_.print = 0;
-    common_.quick_return_if_not_posdef = 1;
-  }
-  ~Common() { cholmod_finish(&common_); }
-  Common(const Common&) = delete;
-  Common& operator=(const Common&) = delete;
-  cholmod_common* get() { return &common_; }
-
- private:
-  cholmod_common common_{};
-};
-
-template <class Scalar>
-constexpr int kXtype = CHOLMOD_REAL;
-template <>
-constexpr int kXtype<std::complex<double>> = CHOLMOD_COMPLEX;
-
-// A view of an Eigen matrix; nothing is copied.
-template <class Scalar>
-cholmod_sparse View(const Eigen::SparseMatrix<Scalar>& lower) {
-  cholmod_sparse view{};
-  view.nrow = static_cast<std::size_t>(lower.rows());
-  view.ncol = static_cast<std::size_t>(lower.cols());
-  view.nzmax = static_cast<std::size_t>(lower.nonZeros());
-  view.p = const_cast<int*>(lower.outerIndexPtr());
-  view.i = const_cast<int*>(lower.innerIndexPtr());
-  view.x = const_cast<Scalar*>(lower.valuePtr());
-  view.stype = -1;
-  view.itype = CHOLMOD_INT;
-  view.xtype = kXtype<Scalar>;
-  view.dtype = CHOLMOD_DOUBLE;
-  view.sorted = 1;
-  view.packed = 1;
-  return view;
-}
 
 // A simplicial solve works on blocks of 4 columns, leaves its buffer with the shape of the last
 // block, and the next solve would allocate it anew because of that. Giving it its shape back keeps
@@ -95,41 +53,12 @@ int CholmodMode(FactorLayout layout) {
   return CHOLMOD_AUTO;
 }
 
-// What CHOLMOD's status says of the work `what` on so many unknowns.
-Fault FaultOf(int status, const char* what, std::size_t unknowns) {
-  FaultKind kind = FaultKind::kNumerical;
-  const char* text = "the factorisation failed";
-  switch (status) {
-    case CHOLMOD_NOT_POSDEF:
-      text = "the matrix is not positive definite";
-      break;
-    case CHOLMOD_DSMALL:
-      text = "the matrix is nearly singular";
-      break;
-    case CHOLMOD_OUT_OF_MEMORY:
-      kind = FaultKind::kOutOfMemory;
-      text = "out of memory";
-      break;
-    case CHOLMOD_TOO_LARGE:
-      kind = FaultKind::kMeshTooLarge;
-      text = "the problem is too large";
-      break;
-    default:
-      break;
-  }
-  return Fault(kind, fmt::format("{} {} unknowns: {}.", what, unknowns, text));
-}
-
-std::span<const int> Indices(const void* data, std::size_t size) {
-  return {static_cast<const int*>(data), size};
-}
-
 // Fills a factor that was analysed with the numbers of a matrix; CHOLMOD's status. Its own code for supernodes
 // takes twice as long as ours.
 template <class Scalar>
 int Numbers(const Eigen::SparseMatrix<Scalar>& lower, cholmod_factor& f, cholmod_common& common) {
   if (!f.is_super) {
-    cholmod_sparse matrix = View(lower);
+    cholmod_sparse matrix = CholmodView(lower);
     const NoOpenMp alone;
     cholmod_factorize(&matrix, &f, &common);
     if (common.status != CHOLMOD_OK) return common.status;
@@ -194,7 +123,7 @@ class FactorData {
     }
   }
 
-  Common common;
+  CholmodCommon common;
   FactorLayout layout = FactorLayout::kSupernodal;
   bool once = false;                 // there will be no second set of values
   cholmod_factor* factor = nullptr;  // nullptr once it is packed for good
@@ -223,7 +152,7 @@ class Workspace::Data {
     if (lanes.size() < factor.ScratchSize()) lanes.resize(factor.ScratchSize());
     return reinterpret_cast<std::complex<double>*>(x.data());
   }
-  Common common;
+  CholmodCommon common;
   Buffers real, complex;
   // Of packed factors: the answer, and rows of a few columns together.
   std::vector<double> x, lanes;
@@ -233,47 +162,6 @@ Workspace::Workspace() : data_(std::make_unique<Data>()) {}
 Workspace::~Workspace() = default;
 Workspace::Workspace(Workspace&&) noexcept = default;
 Workspace& Workspace::operator=(Workspace&&) noexcept = default;
-
-// What find(matrix, order, common) makes of the matrix.
-template <class Scalar, class Find>
-Result<std::vector<int>> Ordered(const Eigen::SparseMatrix<Scalar>& lower, Find find) {
-  Common common;
-  cholmod_sparse matrix = View(lower);
-  std::vector<int> order(static_cast<std::size_t>(lower.rows()));
-  const int ok = find(&matrix, order.data(), common.get());
-  if (!ok || common.get()->status != CHOLMOD_OK) {
-    return Fail(FaultOf(common.get()->status, "Ordering", order.size()));
-  }
-  return order;
-}
-
-template <class Scalar>
-Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<Scalar>& lower) {
-  return Ordered(lower, [](cholmod_sparse* matrix, int* order, cholmod_common* common) {
-    return cholmod_amd(matrix, nullptr, 0, order, common);
-  });
-}
-
-template <class Scalar>
-Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<Scalar>& lower,
-                                          std::span<const std::complex<double>> points) {
-  const auto n = static_cast<std::size_t>(lower.rows());
-  std::vector<int> stages =
-      DissectionStages({Indices(lower.outerIndexPtr(), n + 1),
-                        Indices(lower.innerIndexPtr(), static_cast<std::size_t>(lower.nonZeros()))},
-                       points);
-  return Ordered(lower, [&](cholmod_sparse* matrix, int* order, cholmod_common* common) {
-    return cholmod_camd(matrix, nullptr, 0, stages.data(), order, common);
-  });
-}
-
-template Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<double>&);
-template Result<std::vector<int>> EliminationOrder(
-    const Eigen::SparseMatrix<std::complex<double>>&);
-template Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<double>&,
-                                                   std::span<const std::complex<double>>);
-template Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<std::complex<double>>&,
-                                                   std::span<const std::complex<double>>);
 
 template <class Scalar>
 Factor<Scalar>::Factor(std::unique_ptr<FactorData> data) : data_(std::move(data)) {}
@@ -303,13 +191,13 @@ Result<std::unique_ptr<Factor<Scalar>>> Factor<Scalar>::Analyse(
     common->nrelax[0] = 1, common->nrelax[1] = 4, common->nrelax[2] = 16;
     common->zrelax[0] = 0.5, common->zrelax[1] = 0.05, common->zrelax[2] = 0.01;
   }
-  cholmod_sparse matrix = View(lower);
+  cholmod_sparse matrix = CholmodView(lower);
   const NoOpenMp alone;
   // cholmod_analyze_p does not write to the permutation.
   int* given = order.empty() ? nullptr : const_cast<int*>(order.data());
   data->factor = cholmod_analyze_p(&matrix, given, nullptr, 0, common);
   if (!data->factor || common->status != CHOLMOD_OK) {
-    return Fail(FaultOf(common->status, "Analysing", matrix.nrow));
+    return Fail(CholmodFault(common->status, "Analysing", matrix.nrow));
   }
   std::unique_ptr<Factor> factor(new Factor(std::move(data)));
   factor->times_.analysis = timer.Lap();
@@ -322,7 +210,7 @@ Status Factor<Scalar>::Again(const Eigen::SparseMatrix<Scalar>& lower) {
   {
     [[maybe_unused]] const NoDenormals none;
     const int status = Numbers(lower, *data_->factor, *data_->common.get());
-    if (status != CHOLMOD_OK) return Fail(FaultOf(status, "Factoring", size()));
+    if (status != CHOLMOD_OK) return Fail(CholmodFault(status, "Factoring", size()));
   }
   times_.numbers = timer.Lap();
   if (data_->layout == FactorLayout::kPacked)
@@ -368,7 +256,7 @@ Result<std::span<const Scalar>> Factor<Scalar>::Solve(std::span<const Scalar> ri
   const NoOpenMp alone;
   const int ok = cholmod_solve2(CHOLMOD_A, data_->factor, &view, nullptr, &buffers.x, nullptr,
                                 &buffers.y, &buffers.e, scratch.common.get());
-  if (!ok) return Fail(FaultOf(scratch.common.get()->status, "Solving for", size()));
+  if (!ok) return Fail(CholmodFault(scratch.common.get()->status, "Solving for", size()));
   return std::span(static_cast<const Scalar*>(buffers.x->x), size() * columns);
 }
 

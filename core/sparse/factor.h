@@ -51,18 +51,6 @@ class Workspace {
   std::unique_ptr<Data> data_;
 };
 
-// An order of elimination with little fill for a symmetric pattern, of which `lower` (#n×#n) has
-// the lower triangle; values play no part. It also serves matrices with fewer numbers. Faults:
-// kOutOfMemory, kMeshTooLarge.
-template <class Scalar>
-Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<Scalar>& lower);
-
-// The same for the matrix of a mesh whose vertices (#n) lie at `points`: it is halved again and again (dissection.h). Less
-// fill than above where the mesh is large and compact, such as a square of 100,000 vertices; more where it is slender.
-template <class Scalar>
-Result<std::vector<int>> EliminationOrder(const Eigen::SparseMatrix<Scalar>& lower,
-                                          std::span<const std::complex<double>> points);
-
 // Scalar is double or std::complex<double>.
 template <class Scalar>
 class Factor {

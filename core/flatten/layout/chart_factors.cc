@@ -7,6 +7,7 @@
 #include "core/base/cpu_timer.h"
 #include "core/base/try.h"
 #include "core/flatten/layout/first_step.h"
+#include "core/sparse/elimination_order.h"
 
 namespace arap {
 namespace {

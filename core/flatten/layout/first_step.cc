@@ -8,6 +8,7 @@
 #include "core/base/try.h"
 #include "core/energy/assemble.h"
 #include "core/mesh/space.h"
+#include "core/sparse/elimination_order.h"
 #include "core/sparse/saddle.h"
 
 namespace arap {

@@ -11,6 +11,7 @@
 #include <Eigen/SparseCore>
 #include <gtest/gtest.h>
 
+#include "core/sparse/elimination_order.h"
 #include "core/sparse/factor.h"
 
 namespace arap::testing {
