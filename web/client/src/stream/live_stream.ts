@@ -54,8 +54,6 @@ export class LiveStream {
   #call: StreamCall | undefined; // of the moment
   #open = false; // it may be pushed on
   #onOpen: (() => void)[] = [];
-  // Updates that were merged into newer ones before they went out.
-  #merged: { count: number; sequence: number }[] = [];
   #sendingClosed = false;
   #cancelled = false;
   #silent = false; // for so long that the call was given up
@@ -264,16 +262,8 @@ export class LiveStream {
     });
     // Of a mesh that was never seen, the shapes have at least one size.
     if (!vertices) this.#mesh ??= { vertices: shape.local.length / 2, triangles: Infinity };
-    while (this.#merged.length > 0 && this.#merged[0]!.sequence <= shape.sequence) {
-      shape.replaced += this.#merged.shift()!.count;
-    }
+    shape.replaced += this.#merge.takeMerged(shape.sequence);
     return { kind: "shape", shape };
-  }
-
-  #noteMerged(count: number, sequence: number): void {
-    // Without answers for long the newest stands for those before it.
-    const before = this.#merged.length >= 64 ? this.#merged.pop()!.count : 0;
-    this.#merged.push({ count: count + before, sequence });
   }
 
   // A new call, opened by the server; its handle set. It is the call of the moment, but nothing is
@@ -283,7 +273,7 @@ export class LiveStream {
       latest: this.#settings.delivery !== "every",
       ahead: this.#settings.delivery === "every" ? Infinity : (this.#settings.ahead ?? Infinity),
       mayMerge: this.#merge.allows,
-      onMerged: (count, sequence) => this.#noteMerged(count, sequence),
+      onMerged: (count, sequence) => this.#merge.merged(count, sequence),
     });
     call.push({ open: this.#openMessage });
     this.#call?.cancel();

@@ -1,4 +1,4 @@
-// MergeRule: which updates may become one with newer ones before they are sent.
+// MergeRule: which updates may become one with newer ones before they are sent, and which did.
 import type { HandleSetInfo } from "../handles.js";
 import { float64Run } from "../runs.js";
 import type { Edit, Update } from "./messages.js";
@@ -10,6 +10,8 @@ import type { Edit, Update } from "./messages.js";
 export class MergeRule {
   #ids = new Set<string>();
   #edits: Edit[] = []; // without answer
+  // Updates that became one with newer ones, by the last of these, until its shape tells of them.
+  #merged: { count: number; sequence: number }[] = [];
 
   /** The stream has opened, or opened again, with these. */
   restart(set: HandleSetInfo): void {
@@ -41,4 +43,19 @@ export class MergeRule {
         [x, y, angleRadians ?? 0, scale ?? 1].every(Number.isFinite),
     );
   };
+
+  /** `count` updates became one with that of this sequence. */
+  merged(count: number, sequence: number): void {
+    // Without answers for long the newest stands for those before it.
+    const before = this.#merged.length >= 64 ? this.#merged.pop()!.count : 0;
+    this.#merged.push({ count: count + before, sequence });
+  }
+  /** How many did up to this sequence, each told once. */
+  takeMerged(sequence: number): number {
+    let count = 0;
+    while (this.#merged.length > 0 && this.#merged[0]!.sequence <= sequence) {
+      count += this.#merged.shift()!.count;
+    }
+    return count;
+  }
 }
