@@ -37,7 +37,8 @@ void SubtractTimes(const std::complex<double>* other, std::complex<double> f, st
 
 // conj(y) x for complex numbers x of row i and y, of which `by_re` and `by_im` are the products with both numbers of y.
 Pair Taken(const double* by_re, const double* by_im, std::size_t i) {
-  const Pair p = PairAt(by_re, i), q = PairAt(by_im, i);
+  const Pair p = *reinterpret_cast<const Pair*>(by_re + 2 * i),
+             q = *reinterpret_cast<const Pair*>(by_im + 2 * i);
   constexpr Pair kTurn{1, -1};
   return p + __builtin_shufflevector(q, q, 1, 0) * kTurn;
 }
