@@ -39,6 +39,8 @@ void WatchLane(runtime::Metrics& metrics, const runtime::WorkerPool& pool) {
         [](const Stats& stats) { return static_cast<double>(stats.taken_along); });
   watch(metric::kGaveWay, Kind::kCounter,
         [](const Stats& stats) { return static_cast<double>(stats.gave_way); });
+  watch(metric::kHelpedParts, Kind::kCounter,
+        [](const Stats& stats) { return static_cast<double>(stats.helped); });
   watch(metric::kBusySeconds, Kind::kCounter,
         [](const Stats& stats) { return stats.busy.count(); });
   watch(metric::kOldestJobSeconds, Kind::kGauge,

@@ -16,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "arap/base/crew.h"
 #include "arap/core/compiled_handles.h"
 #include "core/deform/place.h"
 #include "core/deform/registered_parts.h"
@@ -32,6 +33,7 @@ struct SolverScratch {
   Saddle<double>::Scratch rigid_x, rigid_y;
   Workspace workspace;
   Workspace correction;  // direct solver only
+  Crew* crew = nullptr;  // of the frame that is under way, or none
 };
 
 // Immutable, shared by threads.

@@ -64,8 +64,9 @@ class Deformer::Scratch {
   // Fills qualities[i] and positions[i] for every given[i], frame `first` + i of a track; at most
   // `lanes` of them. The first fault ends it and leaves all positions alone.
   Status Update(std::span<const std::span<const Target>> given, const DeformOptions& options,
-                std::span<ShapeQuality> qualities, const CancelToken& cancel, std::size_t first) {
-    CHECK_OK(Begin(given, options));
+                std::span<ShapeQuality> qualities, const CancelToken& cancel, std::size_t first,
+                Crew* crew) {
+    CHECK_OK(Begin(given, options, crew));
     const bool turned = options.mode == DeformMode::kRigid;
     for (int step = 0; step < RigidSteps(options); ++step) {
       CHECK_OK(cancel.Check());
@@ -78,26 +79,30 @@ class Deformer::Scratch {
 
   // The parts of Update, of which UpdateTogether takes those of two.
 
-  Status Begin(std::span<const std::span<const Target>> given, const DeformOptions& options) {
+  Status Begin(std::span<const std::span<const Target>> given, const DeformOptions& options,
+               Crew* crew) {
     CHECK_OK(CheckOptions(options));
+    solver_.crew = crew;
+    for (Frame& frame : frames_) frame.Use(crew);
     for (std::size_t i = 0; i < given.size(); ++i) CHECK_OK(frames_[i].Begin(given[i], solver_));
     return {};
   }
   void Force(bool turned, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
-      frames_[i].Force(turned, std::span(force_).subspan(i * size(), size()));
+      frames_[i].Force(turned, std::span(force_).subspan(i * size(), size()), pulls_);
     }
   }
   const Factor<double>& factor() const { return set_.solver->rigid_factor(); }
   bool NeedsSolve(bool turned) const { return set_.solver->NeedsRigidSolve(turned); }
   std::span<const Complex> Solve(std::size_t count) {
-    return factor().SolvePoints(std::span(force_).first(count * size()), count, solver_.workspace);
+    return factor().SolvePoints(std::span(force_).first(count * size()), count, solver_.workspace,
+                                solver_.crew);
   }
   // The same for lane 0 of two, which have one factor.
   static std::pair<std::span<const Complex>, std::span<const Complex>> SolveBoth(Scratch& one,
                                                                                  Scratch& other) {
     return one.factor().SolveBoth(one.force_, one.solver_.workspace, other.force_,
-                                  other.solver_.workspace);
+                                  other.solver_.workspace, one.solver_.crew);
   }
   // `solution` is empty where nothing was to be solved.
   Status Rigid(std::span<const Complex> solution, std::size_t count) {
@@ -127,6 +132,7 @@ class Deformer::Scratch {
   std::vector<Frame> frames_;
   std::vector<std::vector<Complex>> next_;  // until all is known to be finite
   std::vector<Complex> force_;              // #V per lane
+  std::vector<double> pulls_;               // with a crew only: forces that are not added yet
   SolverScratch solver_;
 };
 
@@ -137,20 +143,20 @@ Deformer::Deformer(Deformer&&) noexcept = default;
 Deformer& Deformer::operator=(Deformer&&) noexcept = default;
 
 Result<ShapeQuality> Deformer::Update(std::span<const Target> targets, const DeformOptions& options,
-                                      const CancelToken& cancel) {
+                                      const CancelToken& cancel, Crew* crew) {
   ShapeQuality quality;
-  CHECK_OK(scratch_->Update({&targets, 1}, options, {&quality, 1}, cancel, 0));
+  CHECK_OK(scratch_->Update({&targets, 1}, options, {&quality, 1}, cancel, 0, crew));
   return quality;
 }
 
 Status Deformer::UpdateMany(std::span<const std::span<const Target>> frames,
                             const DeformOptions& options, std::span<ShapeQuality> qualities,
-                            const CancelToken& cancel, std::size_t first) {
+                            const CancelToken& cancel, std::size_t first, Crew* crew) {
   if (frames.size() > lanes() || qualities.size() < frames.size()) {
     return Fail(FaultKind::kInternal,
                 fmt::format("There are {} frames for {} lanes.", frames.size(), lanes()));
   }
-  return scratch_->Update(frames, options, qualities, cancel, first);
+  return scratch_->Update(frames, options, qualities, cancel, first, crew);
 }
 
 const void* SharedFactor(const CompiledHandles& handles) {
@@ -158,7 +164,7 @@ const void* SharedFactor(const CompiledHandles& handles) {
   return factor.bytes() > kSharedFactorBytes ? &factor : nullptr;
 }
 
-void UpdateTogether(JointFrame& one, JointFrame& other) {
+void UpdateTogether(JointFrame& one, JointFrame& other, Crew* crew) {
   struct Half {
     JointFrame& frame;
     Deformer::Scratch& scratch;
@@ -174,7 +180,7 @@ void UpdateTogether(JointFrame& one, JointFrame& other) {
   const bool shared = &first.scratch.factor() == &second.scratch.factor();
   for (Half& half : halves) {
     half.turned = half.frame.options.mode == DeformMode::kRigid;
-    half.status = half.scratch.Begin({&half.frame.targets, 1}, half.frame.options);
+    half.status = half.scratch.Begin({&half.frame.targets, 1}, half.frame.options, crew);
   }
   for (int step = 0;; ++step) {
     for (Half& half : halves) {

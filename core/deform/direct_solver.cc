@@ -158,7 +158,7 @@ Status DirectSolver::AddSimilarity(std::span<const Complex> miss, std::span<Comp
   }
   for (const std::size_t i : holding_) right[rows_[i].single_vertex()] = miss[i];
   for (const auto& c : similarity_.couplings) right[c.free] -= c.value * right[c.held];
-  TRY(const auto y, similarity_.factor->Solve(right, 1, scratch.workspace));
+  TRY(const auto y, similarity_.factor->Solve(right, 1, scratch.workspace, scratch.crew));
   AddShape(y, shape);
   if (inside_.empty()) return {};
 
@@ -177,7 +177,7 @@ Status DirectSolver::AddSimilarity(std::span<const Complex> miss, std::span<Comp
       if (!held_[row.vertex[c]]) right[row.vertex[c]] += row.weight[c] * mu;
     }
   }
-  TRY(const auto z, similarity_.factor->Solve(right, 1, scratch.workspace));
+  TRY(const auto z, similarity_.factor->Solve(right, 1, scratch.workspace, scratch.crew));
   AddShape(z, shape);
   return {};
 }
@@ -222,7 +222,7 @@ Status DirectSolver::AddRigid(std::span<const Complex> solution, std::span<const
     }
   }
   // Not the workspace of `solution`, which other frames still read.
-  AddShape(rigid_.factor->SolvePoints(right, 1, scratch.correction), shape);
+  AddShape(rigid_.factor->SolvePoints(right, 1, scratch.correction, scratch.crew), shape);
   return {};
 }
 

@@ -1,6 +1,7 @@
 #include "core/deform/frame.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "core/base/try.h"
@@ -26,10 +27,10 @@ Status Frame::Begin(std::span<const Target> targets, SolverScratch& scratch) {
   return set_.solver->AddSimilarity(miss_, shape_, scratch);
 }
 
-void Frame::Force(bool turned, std::span<Complex> force) {
+void Frame::Force(bool turned, std::span<Complex> force, std::vector<double>& room) {
   std::fill(force.begin(), force.end(), Complex(0));
   if (turned) {
-    AddRotatedEdges(mesh_.cells, shape_, mean_, force);
+    AddRotatedEdges(mesh_.cells, shape_, mean_, force, crew_, room);
   } else {
     std::fill(mean_.begin(), mean_.end(), Complex(1));
   }
@@ -90,13 +91,16 @@ void Frame::FitBase() {
 
 // shape := the base, or its rigid part; miss := what the rows lack.
 void Frame::StartFromBase(bool rigid) {
-  for (const VertexRun& run : mesh_.runs) {
-    const Similarity start = !IsActive(run) ? Similarity{0, 0, 1}
-                             : rigid        ? Similarity{base_[run.component].from,
-                                                  base_[run.component].place, mean_[run.component]}
-                                            : base_[run.component];
-    SetToSimilarity(run, mesh_.rest, start, shape_);
-  }
+  RunRanges(crew_, shape_.size(), kVertexRange, [&](std::size_t begin, std::size_t end) {
+    ForRunsIn(mesh_.runs, begin, end, [&](const VertexRun& run) {
+      Similarity start{0, 0, 1};
+      if (IsActive(run)) {
+        start = base_[run.component];
+        if (rigid) start.turn = mean_[run.component];
+      }
+      SetToSimilarity(run, mesh_.rest, start, shape_);
+    });
+  });
   for (std::size_t i = 0; i < miss_.size(); ++i) {
     const std::size_t r = set_.roles.active_rows[i];
     miss_[i] = targets_[r] - PointOf(set_.rows[r], shape_);
@@ -106,31 +110,35 @@ void Frame::StartFromBase(bool rigid) {
 // Back to the units of the mesh, into `positions`. False when a number is not finite.
 bool Frame::Place(std::vector<Complex>& positions) {
   const double unit = mesh_.report.diagonal;
-  bool finite = true;
-  for (const VertexRun& run : mesh_.runs) {
-    if (IsActive(run)) {
-      finite &= ToUnits(run, shape_, targets_.middle(), unit, mesh_.origin, positions);
-      continue;
-    }
-    const Complex shift = run.component == kNone ? 0 : unit * targets_.shift(run.component);
-    for (std::size_t v = run.begin; v < run.end; ++v) {
-      positions[v] = mesh_.mesh.vertices[v];
-      if (run.component != kNone) positions[v] += shift;
-      finite &= std::isfinite(positions[v].real()) && std::isfinite(positions[v].imag());
-    }
-  }
+  std::atomic<bool> strange = false;
+  RunRanges(crew_, shape_.size(), kVertexRange, [&](std::size_t begin, std::size_t end) {
+    bool finite = true;
+    ForRunsIn(mesh_.runs, begin, end, [&](const VertexRun& run) {
+      if (IsActive(run)) {
+        finite &= ToUnits(run, shape_, targets_.middle(), unit, mesh_.origin, positions);
+        return;
+      }
+      const Complex shift = run.component == kNone ? 0 : unit * targets_.shift(run.component);
+      for (std::size_t v = run.begin; v < run.end; ++v) {
+        positions[v] = mesh_.mesh.vertices[v];
+        if (run.component != kNone) positions[v] += shift;
+        finite &= std::isfinite(positions[v].real()) && std::isfinite(positions[v].imag());
+      }
+    });
+    if (!finite) strange = true;
+  });
   // A vertex that stands for others is the lowest of them.
   const std::vector<std::uint32_t>& standing = mesh_.repair.vertex;
   for (std::size_t v = 0; v < standing.size(); ++v) positions[v] = positions[standing[v]];
-  return finite;
+  return !strange;
 }
 
 void Frame::MeasureTriangles(const std::vector<Complex>& positions, ShapeQuality& quality) const {
-  const auto stretch = mesh_.stretch.Measure(mesh_.mesh, positions, mesh_.report.diagonal);
+  const auto stretch = mesh_.stretch.Measure(mesh_.mesh, positions, mesh_.report.diagonal, crew_);
   quality.flipped = stretch.flipped;
   quality.mean_stretch = stretch.mean;
   quality.max_stretch = stretch.max;
-  quality.energy = RigidEnergy(mesh_.cells, shape_);
+  quality.energy = RigidEnergy(mesh_.cells, shape_, crew_);
 }
 
 void Frame::MeasureHandles(std::span<const Target> given, const std::vector<Complex>& positions,

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "arap/base/crew.h"
 #include "arap/base/result.h"
 #include "arap/model/deform.h"
 #include "core/deform/compiled_parts.h"
@@ -21,13 +22,17 @@ class Frame {
  public:
   explicit Frame(const CompiledHandlesParts& set);
 
+  // Who helps from now on, or nullptr.
+  void Use(Crew* crew) { crew_ = crew; }
+
   // Checks the targets and takes step 1. Faults: those of TargetRows::Place and of a
   // back-substitution.
   Status Begin(std::span<const Target> targets, SolverScratch& scratch);
 
   // The right-hand side of step 2 (#V) with the rotations of the shape so far. Without `turned`
-  // every rotation is 1: the baseline of eq. 1, where the edges exert no force.
-  void Force(bool turned, std::span<Complex> force);
+  // every rotation is 1: the baseline of eq. 1, where the edges exert no force. `room` is that of
+  // AddRotatedEdges.
+  void Force(bool turned, std::span<Complex> force, std::vector<double>& room);
 
   // The shape of step 2 from the solution of the rigid factor for that force (#V); empty for no
   // force. Fault: that of a back-substitution.
@@ -57,6 +62,7 @@ class Frame {
   std::vector<Similarity> base_;        // per component: the similarity that fits its targets best
   std::vector<double> counts_, sizes_;  // per component, of FitBase
   std::vector<Complex> mean_;           // per component: t̄, the rotation of the base
+  Crew* crew_ = nullptr;
 };
 
 }  // namespace arap

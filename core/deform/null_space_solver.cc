@@ -83,15 +83,16 @@ ARAP_WIDE(AddGroups<2>, AddEightWide,
           (const ScaledColumn* c, std::size_t begin, std::size_t end, double* shape),
           (c, begin, end, shape))
 
-// shape += Σ values·factor over the columns that `column_at(i)` makes, for all n vertices; block by
+// shape += Σ values·factor over the columns that `column_at(i)` makes, for vertices [from, to); block by
 // block, so that the shape stays in a near cache and columns are read far ahead. Their order decides
 // the rounding; where there are not four more, columns times 0 stand in.
 template <class ColumnAt>
-void AddColumns(std::size_t count, std::span<Complex> shape, ColumnAt column_at) {
+void AddColumns(std::size_t count, std::size_t from, std::size_t to, std::span<Complex> shape,
+                ColumnAt column_at) {
   constexpr std::size_t kBlock = 4096;
   auto* numbers = reinterpret_cast<double*>(shape.data());
-  for (std::size_t begin = 0; begin < shape.size(); begin += kBlock) {
-    const std::size_t end = std::min(begin + kBlock, shape.size());
+  for (std::size_t begin = from; begin < to; begin += kBlock) {
+    const std::size_t end = std::min(begin + kBlock, to);
     for (std::size_t i = 0; i < count;) {
       const bool eight = i + kColumnGroup < count;
       ScaledColumn columns[2 * kColumnGroup];
@@ -197,19 +198,21 @@ Status NullSpaceSolver::AddSimilarity(std::span<const Complex> miss, std::span<C
   }
   similarity_.Solve(scratch.similarity);
   const auto& solution = scratch.similarity.solution;
-  for (const VertexRun& run : mesh_->runs) {
-    if (run.component == kNone || slot_[run.component] == kNone) continue;
-    const auto at = k + 2 * static_cast<Eigen::Index>(slot_[run.component]);
-    AddSimilarityOf(run, mesh_->rest,
-                    {mesh_->components[run.component].center, solution[at], solution[at + 1]},
-                    shape);
-  }
-  // λ z is λ times the real part, and iλ times the imaginary one.
-  AddColumns(2 * rows_.size(), shape, [&](std::size_t i) -> ScaledColumn {
-    const Responses::Column& column = responses_->of(columns_[i / 2]);
-    const Complex lambda = solution[static_cast<Eigen::Index>(i / 2)];
-    if (i % 2 == 0) return {column.similarity_real.data(), lambda};
-    return {column.similarity_imag.data(), Complex(-lambda.imag(), lambda.real())};
+  RunRanges(scratch.crew, shape.size(), kVertexRange, [&](std::size_t begin, std::size_t end) {
+    ForRunsIn(mesh_->runs, begin, end, [&](const VertexRun& run) {
+      if (run.component == kNone || slot_[run.component] == kNone) return;
+      const auto at = k + 2 * static_cast<Eigen::Index>(slot_[run.component]);
+      AddSimilarityOf(run, mesh_->rest,
+                      {mesh_->components[run.component].center, solution[at], solution[at + 1]},
+                      shape);
+    });
+    // λ z is λ times the real part, and iλ times the imaginary one.
+    AddColumns(2 * rows_.size(), begin, end, shape, [&](std::size_t i) -> ScaledColumn {
+      const Responses::Column& column = responses_->of(columns_[i / 2]);
+      const Complex lambda = solution[static_cast<Eigen::Index>(i / 2)];
+      if (i % 2 == 0) return {column.similarity_real.data(), lambda};
+      return {column.similarity_imag.data(), Complex(-lambda.imag(), lambda.real())};
+    });
   });
   return {};
 }
@@ -231,19 +234,23 @@ Status NullSpaceSolver::AddRigid(std::span<const Complex> solution, std::span<co
     scratch.rigid_x.right[i] = left.real();
     scratch.rigid_y.right[i] = left.imag();
   }
-  if (!solution.empty()) AddShape(solution, shape);
   rigid_.Solve(scratch.rigid_x);
   rigid_.Solve(scratch.rigid_y);
   const auto &x = scratch.rigid_x.solution, &y = scratch.rigid_y.solution;
-  AddColumns(rows_.size(), shape, [&](std::size_t i) -> ScaledColumn {
-    const auto row = static_cast<Eigen::Index>(i);
-    return {responses_->of(columns_[i]).rigid.data(), {x[row], y[row]}};
+  RunRanges(scratch.crew, shape.size(), kVertexRange, [&](std::size_t begin, std::size_t end) {
+    if (!solution.empty()) {
+      AddShape(solution.subspan(begin, end - begin), shape.subspan(begin, end - begin));
+    }
+    AddColumns(rows_.size(), begin, end, shape, [&](std::size_t i) -> ScaledColumn {
+      const auto row = static_cast<Eigen::Index>(i);
+      return {responses_->of(columns_[i]).rigid.data(), {x[row], y[row]}};
+    });
+    ForRunsIn(mesh_->runs, begin, end, [&](const VertexRun& run) {
+      if (run.component == kNone || slot_[run.component] == kNone) return;
+      const auto at = k + static_cast<Eigen::Index>(slot_[run.component]);
+      Shift(run, {x[at], y[at]}, shape);
+    });
   });
-  for (const VertexRun& run : mesh_->runs) {
-    if (run.component == kNone || slot_[run.component] == kNone) continue;
-    const auto at = k + static_cast<Eigen::Index>(slot_[run.component]);
-    Shift(run, {x[at], y[at]}, shape);
-  }
   return {};
 }
 

@@ -1,5 +1,6 @@
 #include "core/deform/stretch.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -53,10 +54,11 @@ ARAP_WIDE_BODY void MeasureBlock(const StretchTable::Columns& table, const Trian
 }
 
 template <std::size_t kMost>
-ARAP_WIDE_BODY void MeasureAll(const StretchTable::Columns& table, const Triangle* triangles,
-                               const double* positions, double unit, BlockStretch& stretch) {
-  for (std::size_t begin = 0; begin < table.area.size(); begin += kBlock) {
-    const std::size_t left = table.area.size() - begin;
+ARAP_WIDE_BODY void MeasureRange(const StretchTable::Columns& table, const Triangle* triangles,
+                                 const double* positions, double unit, std::size_t begin,
+                                 std::size_t end, BlockStretch& stretch) {
+  for (; begin < end; begin += kBlock) {
+    const std::size_t left = end - begin;
     BlockStretch block;
     MeasureBlock<kMost>(table, triangles, positions, unit, begin, left < kBlock ? left : kBlock,
                         block);
@@ -67,17 +69,18 @@ ARAP_WIDE_BODY void MeasureAll(const StretchTable::Columns& table, const Triangl
 }
 
 void MeasurePlain(const StretchTable::Columns& table, const Triangle* triangles,
-                  const double* positions, double unit, BlockStretch& stretch) {
-  MeasureAll<2>(table, triangles, positions, unit, stretch);
+                  const double* positions, double unit, std::size_t begin, std::size_t end,
+                  BlockStretch& stretch) {
+  MeasureRange<2>(table, triangles, positions, unit, begin, end, stretch);
 }
-ARAP_WIDE(MeasureAll<4>, MeasureWide,
+ARAP_WIDE(MeasureRange<4>, MeasureWide,
           (const StretchTable::Columns& table, const Triangle* triangles, const double* positions,
-           double unit, BlockStretch& stretch),
-          (table, triangles, positions, unit, stretch))
-ARAP_WIDEST(MeasureAll<8>, MeasureWidest,
+           double unit, std::size_t begin, std::size_t end, BlockStretch& stretch),
+          (table, triangles, positions, unit, begin, end, stretch))
+ARAP_WIDEST(MeasureRange<8>, MeasureWidest,
             (const StretchTable::Columns& table, const Triangle* triangles, const double* positions,
-             double unit, BlockStretch& stretch),
-            (table, triangles, positions, unit, stretch))
+             double unit, std::size_t begin, std::size_t end, BlockStretch& stretch),
+            (table, triangles, positions, unit, begin, end, stretch))
 
 }  // namespace
 
@@ -103,15 +106,27 @@ StretchTable::StretchTable(const PlanarMesh& mesh, const std::vector<Complex>& r
 }
 
 StretchTable::Stretch StretchTable::Measure(const PlanarMesh& mesh,
-                                            std::span<const Complex> positions,
-                                            double diagonal) const {
-  BlockStretch stretch{0, 0, 1};
+                                            std::span<const Complex> positions, double diagonal,
+                                            Crew* crew) const {
+  constexpr std::size_t kLeast = std::size_t{1} << 15u;  // whole blocks
   // A complex number is two doubles in a row, says the standard.
   const auto* numbers = reinterpret_cast<const double*>(positions.data());
-  (HasWidest() ? MeasureWidest
-   : HasWide() ? MeasureWide
-               : MeasurePlain)(columns_, mesh.triangles.data(), numbers, 1 / diagonal, stretch);
-  return {static_cast<std::size_t>(stretch.flipped), stretch.sum, stretch.max};
+  const auto measure = HasWidest() ? MeasureWidest : HasWide() ? MeasureWide : MeasurePlain;
+  const std::size_t count = mesh.triangles.size(), size = PartSize(count, kLeast);
+  const std::size_t parts = (count + size - 1) / size;
+  std::array<BlockStretch, kMostParts> stretches;
+  RunParts(crew, parts, [&](std::size_t p) {
+    stretches[p] = {};
+    measure(columns_, mesh.triangles.data(), numbers, 1 / diagonal, p * size,
+            std::min(count, (p + 1) * size), stretches[p]);
+  });
+  Stretch all{0, 0, 1};
+  for (const BlockStretch& part : std::span(stretches).first(parts)) {
+    all.flipped += static_cast<std::size_t>(part.flipped);
+    all.mean += part.sum;
+    all.max = std::max(all.max, part.max);
+  }
+  return all;
 }
 
 bool IsFlipped(const Triangle& triangle, std::span<const Complex> positions) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "arap/base/crew.h"
 #include "arap/model/mesh.h"
 
 namespace arap {
@@ -20,9 +21,10 @@ class StretchTable {
     std::size_t flipped = 0;
     double mean = 1, max = 1;
   };
-  // `positions` (#V) in units of the mesh; `diagonal` takes them to the normalised rest shape.
-  Stretch Measure(const PlanarMesh& mesh, std::span<const Complex> positions,
-                  double diagonal) const;
+  // `positions` (#V) in units of the mesh; `diagonal` takes them to the normalised rest shape. The same
+  // bytes with a crew and without.
+  Stretch Measure(const PlanarMesh& mesh, std::span<const Complex> positions, double diagonal,
+                  Crew* crew = nullptr) const;
 
   // The map of a triangle is z ↦ αz + βz̄ with α = a1 E1 + a2 E2 and β = ā1 E1 + ā2 E2, where E1, E2
   // are its deformed edge vectors. Its singular values are |α| ± |β|. Columns, #F.

@@ -2,6 +2,8 @@
 // over the shape run by run, several vertices at a time. For this folder only.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -18,6 +20,21 @@ struct VertexRun {
 
 // All vertices in order. `component` is Topology::vertex_component (#V).
 std::vector<VertexRun> RunsOf(std::span<const std::uint32_t> component);
+
+// Calls visit(run) for what lies in [begin, end) of every run.
+template <class Visit>
+void ForRunsIn(std::span<const VertexRun> runs, std::size_t begin, std::size_t end, Visit visit) {
+  auto run = std::partition_point(runs.begin(), runs.end(),
+                                  [&](const VertexRun& each) { return each.end <= begin; });
+  for (; run != runs.end() && run->begin < end; ++run) {
+    visit(VertexRun{static_cast<std::uint32_t>(std::max<std::size_t>(run->begin, begin)),
+                    static_cast<std::uint32_t>(std::min<std::size_t>(run->end, end)),
+                    run->component});
+  }
+}
+
+// Vertices that a thread passes over in one piece.
+inline constexpr std::size_t kVertexRange = std::size_t{1} << 14u;
 
 // p ↦ place + turn·(p − from)
 struct Similarity {

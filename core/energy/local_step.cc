@@ -1,6 +1,5 @@
 #include "core/energy/local_step.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/base/lanes.h"
@@ -220,95 +219,6 @@ ARAP_LOCAL_TWINS(FaceEnergy,
                  (table, begin, count, shape, energy))
 #undef ARAP_LOCAL_TWINS
 
-Complex FallbackFor(Complex mean) { return mean == 0.0 ? 1.0 : mean; }
-
-// A complex number is two doubles in a row, says the standard.
-const double* NumbersAt(std::span<const Complex> points) {
-  return reinterpret_cast<const double*>(points.data());
-}
-double* NumbersAt(std::span<Complex> points) { return reinterpret_cast<double*>(points.data()); }
-
-// Calls visit(begin, count, component) for blocks of at most kKernelBlock cells of one component.
-template <class Visit>
-void ForEachKernelBlock(const std::vector<CellRun>& runs, Visit visit) {
-  for (const CellRun& run : runs) {
-    for (std::size_t at = run.begin; at < run.end; at += kKernelBlock) {
-      visit(at, std::min(kKernelBlock, run.end - at), run.component);
-    }
-  }
-}
-
-void AddHinges(const LocalKernels& kernels, const HingeTable& table, const double* shape,
-               std::span<const Complex> mean, double* force) {
-  KernelColumn x, y;
-  ForEachKernelBlock(table.runs, [&](std::size_t at, std::size_t count, std::uint32_t component) {
-    const Complex middle = mean[component];
-    kernels.hinge_forces(table, at, count, shape, middle, FallbackFor(middle), x, y);
-    for (std::size_t k = 0; k < count; ++k) {
-      const Pair own{x[k], y[k]};
-      PointAt<PointsBy::kBegin>(force, table.j[at + k]) += own;
-      PointAt<PointsBy::kBegin>(force, table.i[at + k]) -= own;
-    }
-  });
-}
-
-void AddFaces(const LocalKernels& kernels, const FaceTable& table, const double* shape,
-              std::span<const Complex> mean, double* force) {
-  KernelColumn x1, y1, x2, y2;
-  ForEachKernelBlock(table.runs, [&](std::size_t at, std::size_t count, std::uint32_t component) {
-    const Complex middle = mean[component];
-    kernels.face_forces(table, at, count, shape, middle, FallbackFor(middle), x1, y1, x2, y2);
-    for (std::size_t k = 0; k < count; ++k) {
-      const Pair first{x1[k], y1[k]}, second{x2[k], y2[k]};
-      PointAt<PointsBy::kNumber>(force, table.v0[at + k]) -= first + second;
-      PointAt<PointsBy::kNumber>(force, table.v1[at + k]) += first;
-      PointAt<PointsBy::kNumber>(force, table.v2[at + k]) += second;
-    }
-  });
-}
-
-Complex Difference(std::span<const Complex> v, const Spoke& s) { return v[s.b] - v[s.a]; }
-
-std::span<const Spoke> SpokesOf(const StarTable& table, std::size_t s) {
-  return std::span(table.spokes).subspan(table.begin[s], table.begin[s + 1] - table.begin[s]);
-}
-
-Complex TurnOf(const StarTable& table, std::size_t s, std::span<const Complex> v,
-               Complex fallback) {
-  Complex t = 0;
-  for (const Spoke& spoke : SpokesOf(table, s)) {
-    t += spoke.weight * (std::conj(spoke.rest) * Difference(v, spoke));
-  }
-  const double size = std::sqrt(std::norm(t));
-  return size > kNoDirection * table.size_of[s] ? t * (1 / size) : fallback;
-}
-
-void AddStars(const StarTable& table, std::span<const Complex> v, std::span<const Complex> mean,
-              std::span<Complex> f) {
-  for (const CellRun& run : table.runs) {
-    const Complex middle = mean[run.component];
-    for (std::size_t s = run.begin; s < run.end; ++s) {
-      const Complex turn = TurnOf(table, s, v, FallbackFor(middle)) - middle;
-      for (const Spoke& spoke : SpokesOf(table, s)) {
-        const Complex g = spoke.weight * (turn * spoke.rest);
-        f[spoke.b] += g;
-        f[spoke.a] -= g;
-      }
-    }
-  }
-}
-
-double StarEnergy(const StarTable& table, std::span<const Complex> v) {
-  double energy = 0;
-  for (std::size_t s = 0; s < table.size(); ++s) {
-    const Complex turn = TurnOf(table, s, v, 1);
-    for (const Spoke& spoke : SpokesOf(table, s)) {
-      energy += spoke.weight * std::norm(Difference(v, spoke) - turn * spoke.rest);
-    }
-  }
-  return energy;
-}
-
 }  // namespace
 
 std::span<const LocalKernels> LocalKernelsHere() {
@@ -318,28 +228,6 @@ std::span<const LocalKernels> LocalKernelsHere() {
       {HingeForcesWidest, HingeEnergyWidest, FaceForcesWidest, FaceEnergyWidest}};
   static const std::size_t have = HasWide() ? HasWidest() ? 3 : 2 : 1;
   return std::span(kAll).first(have);
-}
-
-void AddRotatedEdges(const Cells& cells, std::span<const Complex> shape,
-                     std::span<const Complex> mean, std::span<Complex> force) {
-  const LocalKernels& kernels = LocalKernelsHere().back();
-  AddHinges(kernels, cells.hinges, NumbersAt(shape), mean, NumbersAt(force));
-  AddFaces(kernels, cells.faces, NumbersAt(shape), mean, NumbersAt(force));
-  AddStars(cells.stars, shape, mean, force);
-}
-
-double RigidEnergy(const Cells& cells, std::span<const Complex> shape) {
-  const LocalKernels& kernels = LocalKernelsHere().back();
-  double energy = 0, block = 0;
-  ForEachKernelBlock(cells.hinges.runs, [&](std::size_t at, std::size_t count, std::uint32_t) {
-    kernels.hinge_energy(cells.hinges, at, count, NumbersAt(shape), block);
-    energy += block;
-  });
-  ForEachKernelBlock(cells.faces.runs, [&](std::size_t at, std::size_t count, std::uint32_t) {
-    kernels.face_energy(cells.faces, at, count, NumbersAt(shape), block);
-    energy += block;
-  });
-  return energy + StarEnergy(cells.stars, shape);
 }
 
 }  // namespace arap

@@ -4,7 +4,9 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <vector>
 
+#include "arap/base/crew.h"
 #include "core/energy/cells.h"
 
 namespace arap {
@@ -30,8 +32,16 @@ inline constexpr double kNoDirection = 1e-13;
 void AddRotatedEdges(const Cells& cells, std::span<const Complex> shape,
                      std::span<const Complex> mean, std::span<Complex> force);
 
-// Σ_c Σ_energy w |(v_b − v_a) − t̂_c e|², with t̂ the rotation that fits `shape` best in each cell.
-double RigidEnergy(const Cells& cells, std::span<const Complex> shape);
+// The same bytes with a crew: it computes the forces of some ten thousand cells while those before them are added, in
+// their order. They wait in `room`, which is made as large as it has to be (2 MB) by the first call. Stars are added
+// by this thread alone.
+void AddRotatedEdges(const Cells& cells, std::span<const Complex> shape,
+                     std::span<const Complex> mean, std::span<Complex> force, Crew* crew,
+                     std::vector<double>& room);
+
+// Σ_c Σ_energy w |(v_b − v_a) − t̂_c e|², with t̂ the rotation that fits `shape` best in each cell. A crew takes parts of
+// it, and of hinges and faces only; the sum is the same without one.
+double RigidEnergy(const Cells& cells, std::span<const Complex> shape, Crew* crew = nullptr);
 
 // The arithmetic on a hundred hinges or faces at a time, written so that the compiler can take
 // several at once. For the energies: this folder and core/flatten/injective.

@@ -232,8 +232,8 @@ Result<std::shared_ptr<const Factor<Scalar>>> Factor<Scalar>::Make(
 
 template <class Scalar>
 Result<std::span<const Scalar>> Factor<Scalar>::Solve(std::span<const Scalar> right,
-                                                      std::size_t columns,
-                                                      Workspace& workspace) const {
+                                                      std::size_t columns, Workspace& workspace,
+                                                      Crew* crew) const {
   Workspace::Data& scratch = workspace.data();
   if (const auto& packed = data_->packed<Scalar>()) {
     const std::size_t count = size() * columns, numbers = count * sizeof(Scalar) / sizeof(double);
@@ -241,7 +241,7 @@ Result<std::span<const Scalar>> Factor<Scalar>::Solve(std::span<const Scalar> ri
     if (scratch.lanes.size() < packed->ScratchSize()) scratch.lanes.resize(packed->ScratchSize());
     // A complex number is two doubles in a row, says the standard.
     auto* x = reinterpret_cast<Scalar*>(scratch.x.data());
-    packed->Solve(right.data(), columns, x, scratch.lanes);
+    packed->Solve(right.data(), columns, x, scratch.lanes, crew);
     return std::span<const Scalar>(x, count);
   }
   auto& buffers = kXtype<Scalar> == CHOLMOD_REAL ? scratch.real : scratch.complex;
@@ -262,7 +262,8 @@ Result<std::span<const Scalar>> Factor<Scalar>::Solve(std::span<const Scalar> ri
 
 template <class Scalar>
 std::span<const std::complex<double>> Factor<Scalar>::SolvePoints(
-    std::span<const std::complex<double>> right, std::size_t shapes, Workspace& workspace) const {
+    std::span<const std::complex<double>> right, std::size_t shapes, Workspace& workspace,
+    Crew* crew) const {
   const PackedFactor<double>& packed = *data_->real;
   const std::size_t n = packed.size();
   std::complex<double>* x = workspace.data().Points(packed, shapes);
@@ -270,7 +271,7 @@ std::span<const std::complex<double>> Factor<Scalar>::SolvePoints(
     const std::size_t next = std::min(begin + 1, shapes - 1);
     const std::array<PointSolve, 2> pair{PointSolve{right.data() + begin * n, x + begin * n},
                                          PointSolve{right.data() + next * n, x + next * n}};
-    packed.SolvePoints(std::span(pair).first(next - begin + 1), workspace.data().lanes);
+    packed.SolvePoints(std::span(pair).first(next - begin + 1), workspace.data().lanes, crew);
   }
   return {x, n * shapes};
 }
@@ -278,13 +279,14 @@ std::span<const std::complex<double>> Factor<Scalar>::SolvePoints(
 template <class Scalar>
 std::pair<std::span<const std::complex<double>>, std::span<const std::complex<double>>>
 Factor<Scalar>::SolveBoth(std::span<const std::complex<double>> one, Workspace& ones,
-                          std::span<const std::complex<double>> other, Workspace& others) const {
+                          std::span<const std::complex<double>> other, Workspace& others,
+                          Crew* crew) const {
   const PackedFactor<double>& packed = *data_->real;
   const std::size_t n = packed.size();
   std::complex<double>* x = ones.data().Points(packed, 1);
   std::complex<double>* y = others.data().Points(packed, 1);
   const std::array<PointSolve, 2> both{PointSolve{one.data(), x}, PointSolve{other.data(), y}};
-  packed.SolvePoints(both, ones.data().lanes);
+  packed.SolvePoints(both, ones.data().lanes, crew);
   return {std::span<const std::complex<double>>(x, n), std::span<const std::complex<double>>(y, n)};
 }
 

@@ -14,6 +14,7 @@
 
 #include <Eigen/SparseCore>
 
+#include "arap/base/crew.h"
 #include "arap/base/result.h"
 
 namespace arap {
@@ -75,19 +76,21 @@ class Factor {
 
   // Solves for `columns` right-hand sides stored one after the other (#n·columns). The answer is
   // laid out alike, lives in the workspace, and is valid until its next use. Fault: kOutOfMemory
-  // (never where the workspace has seen as many numbers before).
+  // (never where the workspace has seen as many numbers before). A packed factor of
+  // more than four million numbers lets the crew take parts of it; the bytes are the same without one.
   Result<std::span<const Scalar>> Solve(std::span<const Scalar> right, std::size_t columns,
-                                        Workspace& workspace) const;
+                                        Workspace& workspace, Crew* crew = nullptr) const;
 
   // The same for the x and y of `shapes` sets of points, of a real matrix that is packed; each set has
   // the bytes that Solve gives its two columns. No faults; std::bad_alloc as Solve's.
   std::span<const std::complex<double>> SolvePoints(std::span<const std::complex<double>> right,
-                                                    std::size_t shapes, Workspace& workspace) const;
+                                                    std::size_t shapes, Workspace& workspace,
+                                                    Crew* crew = nullptr) const;
   // The same for two sets of points that lie apart, in one pass over the factor: the answer of each
   // is in its own workspace, as if it had been alone.
   std::pair<std::span<const std::complex<double>>, std::span<const std::complex<double>>> SolveBoth(
       std::span<const std::complex<double>> one, Workspace& ones,
-      std::span<const std::complex<double>> other, Workspace& others) const;
+      std::span<const std::complex<double>> other, Workspace& others, Crew* crew = nullptr) const;
 
   std::size_t size() const;
   std::span<const int> order() const;

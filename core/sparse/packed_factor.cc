@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <memory>
 #include <new>
+#include <numeric>
 #include <utility>
 
 #include "core/base/large_pages.h"
@@ -24,6 +25,9 @@ double* Put(double* out, std::complex<double> x) {
   out[1] = x.imag();
   return out + 2;
 }
+
+// Rows that are put in order in one piece.
+constexpr std::size_t kRowRange = std::size_t{1} << 14u;
 
 // Writes the inverse of the lower triangle of a dense block, row by row.
 template <class Scalar>
@@ -57,12 +61,43 @@ double* AllocateNumbers(std::size_t count) {
   return static_cast<double*>(memory);
 }
 
+// Whole subtrees of at most `most` numbers, as ranges of supernodes, ascending; what is in none of them is above them
+// all. CHOLMOD numbers a subtree one after the other; of an order that does not, less is found.
+template <class Scalar>
+std::vector<PanelRange> SubtreesOf(const Supernodes<Scalar>& l, std::size_t most) {
+  const std::size_t count = l.first.size() - 1;
+  std::vector<std::size_t> numbers(count), members(count, 1), lowest(count);
+  std::iota(lowest.begin(), lowest.end(), std::size_t{0});
+  for (std::size_t s = 0; s < count; ++s) {
+    numbers[s] += static_cast<std::size_t>(l.values_begin[s + 1] - l.values_begin[s]);
+    const int below = l.rows_begin[s] + l.first[s + 1] - l.first[s];
+    if (below == l.rows_begin[s + 1]) continue;
+    const int row = l.rows[static_cast<std::size_t>(below)];
+    const auto parent = static_cast<std::size_t>(
+        std::upper_bound(l.first.begin(), l.first.end(), row) - l.first.begin() - 1);
+    numbers[parent] += numbers[s];
+    members[parent] += members[s];
+    lowest[parent] = std::min(lowest[parent], lowest[s]);
+  }
+  std::vector<PanelRange> subtrees;
+  for (std::size_t end = count; end > 0;) {
+    const std::size_t s = end - 1;
+    const bool whole = numbers[s] <= most && lowest[s] + members[s] == end;
+    if (whole) subtrees.push_back({lowest[s], end});
+    end = whole ? lowest[s] : s;
+  }
+  std::reverse(subtrees.begin(), subtrees.end());
+  return subtrees;
+}
+
 }  // namespace
 
 template <class Scalar>
-PackedFactor<Scalar>::PackedFactor(const Supernodes<Scalar>& l, const ReadFrom& read_from)
+PackedFactor<Scalar>::PackedFactor(const Supernodes<Scalar>& l, const ReadFrom& read_from,
+                                   std::size_t part_numbers)
     : order_(l.order.begin(), l.order.end()) {
   std::size_t panels = 0;
+  std::vector<std::size_t> first_panel{0};
   for (std::size_t s = 0; s + 1 < l.first.size(); ++s) {
     const auto width = static_cast<std::size_t>(l.first[s + 1] - l.first[s]);
     const auto height = static_cast<std::size_t>(l.rows_begin[s + 1] - l.rows_begin[s]);
@@ -70,9 +105,11 @@ PackedFactor<Scalar>::PackedFactor(const Supernodes<Scalar>& l, const ReadFrom& 
       ++panels;
       panels_.numbers += NumbersOf(end - begin, height - end);
     });
+    first_panel.push_back(panels);
   }
   panels_.panels.reserve(panels);
   panels_.rows.assign(l.rows.begin(), l.rows.end());
+  Cut(l, first_panel, part_numbers);
   panels_.values.reset(AllocateNumbers(panels_.numbers));
   double* out = panels_.values.get();
   // The last first: the pass from the root to the leaves is the one that is never cut short, and
@@ -142,74 +179,174 @@ double* PackedFactor<Scalar>::Pack(const Supernodes<Scalar>& l, std::size_t supe
 }
 
 template <class Scalar>
+void PackedFactor<Scalar>::Cut(const Supernodes<Scalar>& l,
+                               std::span<const std::size_t> first_panel, std::size_t part_numbers) {
+  const auto numbers = [&](const PanelRange& supernodes) {
+    return static_cast<std::size_t>(l.values_begin[supernodes.end] -
+                                    l.values_begin[supernodes.begin]);
+  };
+  const std::size_t count = l.first.size() - 1;
+  std::vector<PanelRange> subtrees;
+  if (numbers({0, count}) > 4 * part_numbers) subtrees = SubtreesOf(l, part_numbers);
+  subtrees.push_back({count, count});
+  std::size_t begin = 0, together = 0, done = 0;
+  for (std::size_t i = 0; i < subtrees.size(); ++i) {
+    const PanelRange& subtree = subtrees[i];
+    if (done < subtree.begin) {
+      panels_.top.push_back({first_panel[done], first_panel[subtree.begin]});
+    }
+    done = subtree.end;
+    const bool last = i + 1 == subtrees.size();
+    if (begin < i && (last || together + numbers(subtree) > part_numbers)) {
+      AddPart(l, first_panel, std::span(subtrees).subspan(begin, i - begin));
+      begin = i;
+      together = 0;
+    }
+    together += numbers(subtree);
+  }
+}
+
+template <class Scalar>
+void PackedFactor<Scalar>::AddPart(const Supernodes<Scalar>& l,
+                                   std::span<const std::size_t> first_panel,
+                                   std::span<const PanelRange> subtrees) {
+  PanelPart part;
+  part.copies = size() + panels_.copies;
+  const auto for_each_above = [&](auto visit) {
+    for (const PanelRange& subtree : subtrees) {
+      const auto end = static_cast<std::uint32_t>(l.first[subtree.end]);
+      const auto first_row = static_cast<std::size_t>(l.rows_begin[subtree.begin]),
+                 end_row = static_cast<std::size_t>(l.rows_begin[subtree.end]);
+      for (std::size_t r = first_row; r < end_row; ++r) {
+        if (panels_.rows[r] >= end) visit(panels_.rows[r]);
+      }
+    }
+  };
+  for (const PanelRange& subtree : subtrees) {
+    part.panels.push_back({first_panel[subtree.begin], first_panel[subtree.end]});
+  }
+  for_each_above([&](std::uint32_t row) { part.above.push_back(row); });
+  std::sort(part.above.begin(), part.above.end());
+  part.above.erase(std::unique(part.above.begin(), part.above.end()), part.above.end());
+  part.above.shrink_to_fit();
+  for_each_above([&](std::uint32_t& row) {
+    const auto at = std::lower_bound(part.above.begin(), part.above.end(), row);
+    row =
+        static_cast<std::uint32_t>(part.copies + static_cast<std::size_t>(at - part.above.begin()));
+  });
+  panels_.copies += part.above.size();
+  panels_.parts.push_back(std::move(part));
+}
+
+// Bytes do not depend on the crew: what a part takes from the rows of the top is added up in its copies, and these are
+// added to the top in the order of the parts, also without a crew.
+template <class Scalar>
+void PackedFactor<Scalar>::TakeThrough(PackedKernel kernel, std::size_t numbers, double* x,
+                                       Crew* crew) const {
+  const std::vector<PanelPart>& parts = panels_.parts;
+  RunParts(crew, parts.size(), [&](std::size_t p) {
+    std::fill_n(x + parts[p].copies * numbers, parts[p].above.size() * numbers, 0.0);
+    for (const PanelRange& range : parts[p].panels) kernel(panels_, range, true, x);
+  });
+  for (const PanelPart& part : parts) {
+    const double* copy = x + part.copies * numbers;
+    for (const std::uint32_t row : part.above) {
+      for (std::size_t k = 0; k < numbers; ++k) x[row * numbers + k] += *copy++;
+    }
+  }
+  const std::vector<PanelRange>& top = panels_.top;
+  for (const PanelRange& range : top) kernel(panels_, range, true, x);
+  for (std::size_t i = top.size(); i-- > 0;) kernel(panels_, top[i], false, x);
+  RunParts(crew, parts.size(), [&](std::size_t p) {
+    double* copy = x + parts[p].copies * numbers;
+    for (const std::uint32_t row : parts[p].above) {
+      copy = std::copy_n(x + row * numbers, numbers, copy);
+    }
+    for (std::size_t i = parts[p].panels.size(); i-- > 0;) {
+      kernel(panels_, parts[p].panels[i], false, x);
+    }
+  });
+}
+
+template <class Scalar>
 double* PackedFactor<Scalar>::Rows(std::span<double> scratch) const {
   void* memory = scratch.data();
   std::size_t space = scratch.size_bytes();
-  return static_cast<double*>(
-      std::align(kAlign * sizeof(double), 4 * size() * sizeof(double), memory, space));
+  return static_cast<double*>(std::align(
+      kAlign * sizeof(double), 4 * (size() + panels_.copies) * sizeof(double), memory, space));
 }
 
 template <class Scalar>
 void PackedFactor<Scalar>::Solve(const Scalar* right, std::size_t columns, Scalar* solution,
-                                 std::span<double> scratch, const PackedKernels& kernels) const {
+                                 std::span<double> scratch, Crew* crew,
+                                 const PackedKernels& kernels) const {
   const std::size_t n = size();
   constexpr bool kComplex = kNumbers<Scalar> == 2;
   double* x = Rows(scratch);
   auto* rows = reinterpret_cast<Scalar*>(x);
-  for (std::size_t begin = 0; begin < columns;) {
+  for (std::size_t first = 0; first < columns;) {
     // Columns that are taken together, and those that they are padded to.
-    const std::size_t left = columns - begin;
+    const std::size_t left = columns - first;
     const std::size_t take = std::min<std::size_t>(left, kComplex ? 2 : 4);
     const std::size_t lanes = kComplex ? take : take > 2 ? 4 : 2;
     // −0 becomes 0, or a number's sign could depend on its neighbours.
-    for (std::size_t c = 0; c < lanes; ++c) {
-      const Scalar* column = c < take ? right + (begin + c) * n : nullptr;
-      for (std::size_t k = 0; k < n; ++k) {
-        rows[k * lanes + c] =
-            column ? column[static_cast<std::size_t>(order_[k])] + Scalar(0) : Scalar(0);
+    RunRanges(crew, n, kRowRange, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t c = 0; c < lanes; ++c) {
+        const Scalar* column = c < take ? right + (first + c) * n : nullptr;
+        for (std::size_t k = begin; k < end; ++k) {
+          rows[k * lanes + c] =
+              column ? column[static_cast<std::size_t>(order_[k])] + Scalar(0) : Scalar(0);
+        }
       }
-    }
+    });
     if constexpr (kComplex) {
-      (lanes == 1 ? kernels.complex1 : kernels.complex2)(panels_, x);
+      TakeThrough(lanes == 1 ? kernels.complex1 : kernels.complex2, 2 * lanes, x, crew);
     } else {
-      (lanes == 2 ? kernels.real2 : kernels.real4)(panels_, x);
+      TakeThrough(lanes == 2 ? kernels.real2 : kernels.real4, lanes, x, crew);
     }
-    for (std::size_t c = 0; c < take; ++c) {
-      Scalar* column = solution + (begin + c) * n;
-      for (std::size_t k = 0; k < n; ++k) {
-        column[static_cast<std::size_t>(order_[k])] = rows[k * lanes + c];
+    RunRanges(crew, n, kRowRange, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t c = 0; c < take; ++c) {
+        Scalar* column = solution + (first + c) * n;
+        for (std::size_t k = begin; k < end; ++k) {
+          column[static_cast<std::size_t>(order_[k])] = rows[k * lanes + c];
+        }
       }
-    }
-    begin += take;
+    });
+    first += take;
   }
 }
 
 template <class Scalar>
 void PackedFactor<Scalar>::SolvePoints(std::span<const PointSolve> shapes,
-                                       std::span<double> scratch,
+                                       std::span<double> scratch, Crew* crew,
                                        const PackedKernels& kernels) const {
   const std::size_t n = size(), count = shapes.size();
   double* x = Rows(scratch);
   auto* rows = reinterpret_cast<std::complex<double>*>(x);
-  for (std::size_t c = 0; c < count; ++c) {
-    const std::complex<double>* column = shapes[c].right;
-    for (std::size_t k = 0; k < n; ++k) {
-      rows[k * count + c] = column[static_cast<std::size_t>(order_[k])] + std::complex<double>(0);
+  RunRanges(crew, n, kRowRange, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = 0; c < count; ++c) {
+      const std::complex<double>* column = shapes[c].right;
+      for (std::size_t k = begin; k < end; ++k) {
+        rows[k * count + c] = column[static_cast<std::size_t>(order_[k])] + std::complex<double>(0);
+      }
     }
-  }
-  (count == 1 ? kernels.real2 : kernels.real4)(panels_, x);
-  for (std::size_t c = 0; c < count; ++c) {
-    std::complex<double>* column = shapes[c].solution;
-    for (std::size_t k = 0; k < n; ++k) {
-      column[static_cast<std::size_t>(order_[k])] = rows[k * count + c];
+  });
+  TakeThrough(count == 1 ? kernels.real2 : kernels.real4, 2 * count, x, crew);
+  RunRanges(crew, n, kRowRange, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = 0; c < count; ++c) {
+      std::complex<double>* column = shapes[c].solution;
+      for (std::size_t k = begin; k < end; ++k) {
+        column[static_cast<std::size_t>(order_[k])] = rows[k * count + c];
+      }
     }
-  }
+  });
 }
 
 template <class Scalar>
 std::size_t PackedFactor<Scalar>::bytes() const {
   return order_.size() * sizeof(int) + panels_.panels.size() * sizeof(Panel) +
-         panels_.rows.size() * sizeof(std::uint32_t) + panels_.numbers * sizeof(double);
+         (panels_.rows.size() + panels_.copies) * sizeof(std::uint32_t) +
+         panels_.numbers * sizeof(double);
 }
 
 template class PackedFactor<double>;

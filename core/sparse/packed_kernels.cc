@@ -214,15 +214,15 @@ constexpr std::size_t kAhead = 4;
 // Where a panel's own numbers are all 0 it changes nothing below: a right-hand side with few other
 // numbers walks the elimination tree from those to the root.
 template <std::size_t kMost, std::size_t kPairs>
-ARAP_WIDE_BODY void SolveReal(const PackedPanels& factor, double* x) {
-  const std::size_t count = factor.panels.size();
-  for (std::size_t k = 0; k < count; ++k) {
+ARAP_WIDE_BODY void SolveReal(const PackedPanels& factor, PanelRange range, bool forward,
+                              double* x) {
+  for (std::size_t k = range.begin; forward && k < range.end; ++k) {
     const Panel& panel = factor.panels[k];
     if (IsZero(x + panel.first * 2 * kPairs, panel.width * 2 * kPairs)) continue;
-    const Panel& next = factor.panels[k + kAhead < count ? k + kAhead : count - 1];
+    const Panel& next = factor.panels[k + kAhead < range.end ? k + kAhead : range.end - 1];
     OnePanel<kMost, kPairs>(factor, panel, factor.values.get() + next.values, x);
   }
-  for (std::size_t k = count; k-- > 0;) {
+  for (std::size_t k = range.end; !forward && k-- > range.begin;) {
     OnePanel<kMost, kPairs>(factor, factor.panels[k], nullptr, x);
   }
 }
@@ -332,20 +332,28 @@ ARAP_WIDE_BODY void OneComplexPanel(bool forward, const PackedPanels& factor, co
 }
 
 template <std::size_t kLanes>
-ARAP_WIDE_BODY void SolveComplex(const PackedPanels& factor, double* x) {
-  for (const Panel& panel : factor.panels) {
+ARAP_WIDE_BODY void SolveComplex(const PackedPanels& factor, PanelRange range, bool forward,
+                                 double* x) {
+  for (std::size_t k = range.begin; forward && k < range.end; ++k) {
+    const Panel& panel = factor.panels[k];
     if (IsZero(x + panel.first * kLanes, panel.width * kLanes)) continue;
     OneComplexPanel<kLanes>(true, factor, panel, x);
   }
-  for (std::size_t k = factor.panels.size(); k-- > 0;) {
+  for (std::size_t k = range.end; !forward && k-- > range.begin;) {
     OneComplexPanel<kLanes>(false, factor, factor.panels[k], x);
   }
 }
 
-#define ARAP_SOLVE_TWINS(name, plain, wide, widest)                                 \
-  void name(const PackedPanels& factor, double* x) { plain(factor, x); }            \
-  ARAP_WIDE(wide, name##Wide, (const PackedPanels& factor, double* x), (factor, x)) \
-  ARAP_WIDEST(widest, name##Widest, (const PackedPanels& factor, double* x), (factor, x))
+#define ARAP_SOLVE_TWINS(name, plain, wide, widest)                                    \
+  void name(const PackedPanels& factor, PanelRange range, bool forward, double* x) {   \
+    plain(factor, range, forward, x);                                                  \
+  }                                                                                    \
+  ARAP_WIDE(wide, name##Wide,                                                          \
+            (const PackedPanels& factor, PanelRange range, bool forward, double* x),   \
+            (factor, range, forward, x))                                               \
+  ARAP_WIDEST(widest, name##Widest,                                                    \
+              (const PackedPanels& factor, PanelRange range, bool forward, double* x), \
+              (factor, range, forward, x))
 ARAP_SOLVE_TWINS(Real2, (SolveReal<2, 1>), (SolveReal<4, 1>), (SolveReal<8, 1>))
 ARAP_SOLVE_TWINS(Real4, (SolveReal<2, 2>), (SolveReal<4, 2>), (SolveReal<8, 2>))
 ARAP_SOLVE_TWINS(Complex1, SolveComplex<2>, SolveComplex<2>, SolveComplex<2>)

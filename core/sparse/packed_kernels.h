@@ -31,12 +31,29 @@ struct FreeNumbers {
   void operator()(double* numbers) const { std::free(numbers); }
 };
 
+// Neighbouring panels.
+struct PanelRange {
+  std::size_t begin = 0, end = 0;
+};
+
+// Whole subtrees of the elimination tree. Its panels reach rows of their own and rows of the top, of which it has
+// copies beyond the #n rows of a right-hand side: parts have no row in common.
+struct PanelPart {
+  std::vector<PanelRange> panels;
+  std::vector<std::uint32_t> above;  // the rows of the top, ascending
+  std::size_t copies = 0;            // the row in which the copy of the first one is
+};
+
 // Numbers of a panel: the inverse of its diagonal block (lower triangle, row by row), then the rows
 // below, each with all columns. A complex number is (re, im). In a real factor both are filled up
 // with 0: the first so that the second begin on a cache line, and each row to 4 or 8 numbers.
 struct PackedPanels {
-  std::vector<Panel> panels;  // by first column
-  std::vector<std::uint32_t> rows;
+  std::vector<Panel> panels;        // by first column
+  std::vector<std::uint32_t> rows;  // in a part, those of the top are its copies
+  // A factor of many numbers is cut into parts by these numbers alone; of another all panels are the top.
+  std::vector<PanelPart> parts;
+  std::vector<PanelRange> top;
+  std::size_t copies = 0;                         // of rows, of all parts
   std::unique_ptr<double[], FreeNumbers> values;  // on a cache line
   std::size_t numbers = 0;                        // of `values`
 };
@@ -47,12 +64,13 @@ constexpr std::size_t Filled(std::size_t width) { return width <= 4 ? 4 : 8; }
 // Numbers of its diagonal block, with those up to where the rows begin.
 constexpr std::size_t Diagonal(std::size_t width) { return (width * (width + 1) / 2 + 7) / 8 * 8; }
 
-// x := (L Lᴴ)⁻¹ x in place. x is #n×lanes, a row's lanes together.
+// Takes x through a range of panels in place: x := L⁻¹ x forwards, x := L⁻ᴴ x backwards. x is #n×lanes, a row's lanes
+// together, and the copies of all parts.
+using PackedKernel = void (*)(const PackedPanels& factor, PanelRange range, bool forward,
+                              double* x);
 struct PackedKernels {
-  void (*real2)(const PackedPanels& factor, double* x);
-  void (*real4)(const PackedPanels& factor, double* x);
-  void (*complex1)(const PackedPanels& factor, double* x);  // 2 lanes: one right-hand side
-  void (*complex2)(const PackedPanels& factor, double* x);
+  PackedKernel real2, real4;
+  PackedKernel complex1, complex2;  // 2 lanes: one right-hand side
 };
 
 // Those that this processor has: the plain one first, the best last.

@@ -283,12 +283,13 @@ class StreamReactor final
       auto quality = OrOutOfMemory([this] {
         return live_->Move(job_.targets, JobOptions(), engine_.metrics, CancelTokenOf(context_));
       });
-      return AnswerUpdate(std::move(quality), {queued, working}, processor.Lap());
+      return AnswerUpdate(std::move(quality), {queued, working},
+                          processor.Lap() + live_->helped_seconds() * 1e3);
     }
     const double other_queued = other->job_.waiting.Micros();
     JointFrame ours = NextFrame(), theirs = other->NextFrame();
-    app::LiveSet::MoveTogether(ours, theirs, engine_.metrics);
-    const double each = processor.Lap() / 2;
+    const double helped = app::LiveSet::MoveTogether(ours, theirs, engine_.metrics);
+    const double each = (processor.Lap() + helped * 1e3) / 2;
     AnswerUpdate(std::move(ours.quality), {queued, working, 2}, each);
     other->AnswerUpdate(std::move(theirs.quality), {other_queued, working, 2}, each);
   }

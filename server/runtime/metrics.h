@@ -48,6 +48,8 @@ inline constexpr MetricInfo kJobs{"arapd_jobs_total", "Jobs that have ended."};
 inline constexpr MetricInfo kTakenAlong{
     "arapd_taken_along_total", "Frames that were computed together with another stream's."};
 inline constexpr MetricInfo kGaveWay{"arapd_gave_way_total", "How often jobs waited for frames."};
+inline constexpr MetricInfo kHelpedParts{
+    "arapd_helped_parts_total", "Parts of another lane's long frames that idle threads took."};
 inline constexpr MetricInfo kBusySeconds{"arapd_busy_seconds_total",
                                          "Time that workers spent on jobs, of all threads."};
 inline constexpr MetricInfo kOldestJobSeconds{"arapd_oldest_job_seconds",

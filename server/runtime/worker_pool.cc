@@ -41,6 +41,7 @@ struct WorkerPool::Worker {
   Time clock{};                  // likewise
   double used = 0;               // seconds
   double paid = 0;               // of these, charged or charged before
+  double helped = 0;             // that other threads took since it was last charged
   Time next_giving_way{};
 };
 
@@ -132,6 +133,7 @@ PoolStats WorkerPool::stats() const {
   stats.completed = completed_;
   stats.taken_along = taken_along_;
   stats.gave_way = gave_way_;
+  stats.helped = helped_;
   stats.busy = busy_;
   for (const std::optional<Running>& job : jobs_) {
     if (!job) continue;
@@ -197,6 +199,7 @@ std::optional<WorkerPool::Queue::Entry> WorkerPool::Take(Worker& worker) {
   std::optional<Queue::Entry> next;
   while (!(next = NextLocked(worker))) {
     if (stopped_ && queue_.empty()) break;
+    if (HelpLocked()) continue;
     wake_.Wait(&mutex_);
   }
   --idle_;
@@ -221,13 +224,19 @@ std::optional<WorkerPool::Queue::Entry> WorkerPool::Take(Worker& worker) {
 void WorkerPool::ChargeLocked(Worker& worker) {
   const Time now = steady_clock::now();
   const std::chrono::duration<double> passed = now - std::exchange(worker.clock, now);
-  const double processor = worker.processor.Lap() * 1e-3;
+  const double processor = worker.processor.Lap() * 1e-3 + std::exchange(worker.helped, 0);
   const double spent = (options_.waits ? passed.count() : processor) / (worker.along ? 2 : 1);
   worker.used += spent;
   queue_.Charge(worker.share, worker.used - worker.paid);
   worker.paid = worker.used;
   if (worker.along) queue_.Charge(*worker.along, spent - std::exchange(worker.along_paid, 0));
 }
+
+WorkerPool* WorkerPool::OthersHere() {
+  return this_worker == nullptr ? nullptr : this_worker->pool.options_.gives_way_to;
+}
+
+void WorkerPool::ChargeHere(double seconds) { this_worker->helped += seconds; }
 
 void WorkerPool::LeaveLocked(Place place) {
   --running_;

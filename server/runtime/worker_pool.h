@@ -25,7 +25,7 @@ struct PoolOptions {
   std::size_t threads = 1;             // jobs that run at once
   std::size_t queue = 0;               // jobs that may wait beside them, see TryPost
   Metrics* metrics = nullptr;          // told how long jobs waited; outlives the pool
-  WorkerPool* gives_way_to = nullptr;  // see GiveWay; outlives the pool
+  WorkerPool* gives_way_to = nullptr;  // see GiveWay and Helpers; outlives the pool
   // A place beside the others, while one of these has a longer job, for jobs that are expected to
   // take at most so long; 0: none. So they wait for one another only.
   double short_seconds = 0;
@@ -66,10 +66,11 @@ std::shared_ptr<void> TakeAlong();
 struct PoolStats {
   std::size_t waiting = 0;
   std::size_t running = 0;
-  std::uint64_t completed = 0;                     // also those that were taken along
-  std::uint64_t taken_along = 0;                   // by other jobs, see TakeAlong
-  std::uint64_t gave_way = 0;                      // how often its jobs have waited in GiveWay
-  std::chrono::duration<double> busy{};            // of all threads, running jobs included
+  std::uint64_t completed = 0;           // also those that were taken along
+  std::uint64_t taken_along = 0;         // by other jobs, see TakeAlong
+  std::uint64_t gave_way = 0;            // how often its jobs have waited in GiveWay
+  std::uint64_t helped = 0;              // parts that its threads took, see Helpers
+  std::chrono::duration<double> busy{};  // of all threads, running jobs and parts included
   std::chrono::duration<double> oldest_running{};  // how long the longest job runs, 0 for none
   std::chrono::duration<double> oldest_waiting{};  // how long the oldest in the queue waits
   std::chrono::duration<double> since_finish{};    // since a job ended, or since the start
@@ -122,6 +123,7 @@ class WorkerPool {
  private:
   friend void GiveWay();
   friend std::shared_ptr<void> TakeAlong();
+  friend class Helpers;
   using Time = std::chrono::steady_clock::time_point;
   enum class Place { kAny, kShort };
   // A job that stands aside in its thread.
@@ -141,6 +143,8 @@ class WorkerPool {
     double seconds = 0;  // that it is expected to take
   };
   struct Worker;
+  // What threads without a job may take parts of, at most `most` of them at a time.
+  struct Offer;
 
   bool Post(Posted posted, Share share, bool counted);
   void Run(std::size_t thread);
@@ -156,6 +160,14 @@ class WorkerPool {
   void TakeTurns(Worker& worker);
   std::shared_ptr<void> TakeAlong(Worker& worker);
   void GiveWayTo(WorkerPool& others, Worker& worker);
+  // Takes a part of what is offered; false when there is none.
+  bool HelpLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Does in this thread what no other takes, and returns when all parts have ended.
+  void RunOffer(Offer& offer);
+  // The pool that this thread's gives way to, or nullptr.
+  static WorkerPool* OthersHere();
+  // Charges the job of this thread with processor time of others.
+  static void ChargeHere(double seconds);
   bool HasFreeThread() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   static thread_local Worker* this_worker;
@@ -174,6 +186,8 @@ class WorkerPool {
   std::uint64_t completed_ ABSL_GUARDED_BY(mutex_) = 0;
   std::uint64_t taken_along_ ABSL_GUARDED_BY(mutex_) = 0;
   std::uint64_t gave_way_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::vector<Offer*> offers_ ABSL_GUARDED_BY(mutex_);  // on the stacks of their threads
+  std::uint64_t helped_ ABSL_GUARDED_BY(mutex_) = 0;
   // Of the jobs that have ended.
   std::chrono::steady_clock::duration busy_ ABSL_GUARDED_BY(mutex_){};
   Time last_finish_ ABSL_GUARDED_BY(mutex_);

@@ -13,7 +13,9 @@
 #include "core/base/try.h"
 #include "core/mesh/locate.h"
 #include "server/runtime/clock.h"
+#include "server/runtime/helpers.h"
 #include "server/runtime/metrics.h"
+#include "server/streams/admission.h"
 #include "server/streams/targets.h"
 
 namespace arap::app {
@@ -61,6 +63,12 @@ Target PoseOf(const PlanarMesh& mesh, const PlacedHandle& handle,
   return pose;
 }
 
+// Who helps with a frame in this thread: whoever has nothing to do, with a frame that is a job for its length.
+Crew* CrewFor(const CompiledHandles& handles, const DeformOptions& options,
+              runtime::Helpers& helpers) {
+  return EstimateFrame(handles, options).seconds() > kLongFrameSeconds ? helpers.crew() : nullptr;
+}
+
 }  // namespace
 
 std::vector<Target> PosesOf(const RegisteredMesh& mesh, std::span<const PlacedHandle> handles,
@@ -85,7 +93,11 @@ std::size_t LiveSet::BytesOf(const CompiledHandles& handles, std::size_t lanes) 
 Result<ShapeQuality> LiveSet::Move(std::span<const Target> targets, const DeformOptions& options,
                                    runtime::Metrics& metrics, const CancelToken& cancel) {
   const runtime::WallTimer working;
-  TRY(const auto quality, deformer_.Update(targets, options, cancel));
+  runtime::Helpers helpers;
+  Crew* crew = CrewFor(*entry_.handles, options, helpers);
+  auto quality = deformer_.Update(targets, options, cancel, crew);
+  helped_seconds_ = helpers.seconds();
+  if (!quality) return quality;
   metrics.Phase(runtime::Phase::kFrame, working.Micros() * 1e-6);
   return quality;
 }
@@ -94,16 +106,20 @@ Status LiveSet::MoveMany(std::span<const std::span<const Target>> targets,
                          const DeformOptions& options, std::span<ShapeQuality> qualities,
                          std::size_t first, runtime::Metrics& metrics, const CancelToken& cancel) {
   const runtime::WallTimer working;
-  CHECK_OK(deformer_.UpdateMany(targets, options, qualities, cancel, first));
+  runtime::Helpers helpers;
+  Crew* crew = CrewFor(*entry_.handles, options, helpers);
+  CHECK_OK(deformer_.UpdateMany(targets, options, qualities, cancel, first, crew));
   const double each = working.Micros() * 1e-6 / static_cast<double>(targets.size());
   for (std::size_t i = 0; i < targets.size(); ++i) metrics.Phase(runtime::Phase::kTrack, each);
   return {};
 }
 
-void LiveSet::MoveTogether(JointFrame& one, JointFrame& other, runtime::Metrics& metrics) {
+double LiveSet::MoveTogether(JointFrame& one, JointFrame& other, runtime::Metrics& metrics) {
   const runtime::WallTimer working;
+  runtime::Helpers helpers;
+  Crew* crew = CrewFor(*one.deformer.handles(), one.options, helpers);
   const auto moved = OrOutOfMemory([&]() -> Status {
-    UpdateTogether(one, other);
+    UpdateTogether(one, other, crew);
     return {};
   });
   for (JointFrame* frame : {&one, &other}) {
@@ -114,6 +130,7 @@ void LiveSet::MoveTogether(JointFrame& one, JointFrame& other, runtime::Metrics&
     }
     if (frame->quality) metrics.Phase(runtime::Phase::kFrame, working.Micros() * 1e-6 / 2);
   }
+  return helpers.seconds();
 }
 
 Result<EditedSet> LiveSet::Edited(const std::vector<std::string>& remove,
@@ -136,7 +153,9 @@ Result<EditedSet> LiveSet::Edited(const std::vector<std::string>& remove,
   edited.targets.insert(edited.targets.end(), added.begin(), added.end());
   DeformOptions measured = options;
   measured.measure_every = 1;
-  TRY(edited.quality, edited.set.deformer_.Update(edited.targets, measured, cancel));
+  runtime::Helpers helpers;
+  Crew* crew = CrewFor(*edited.set.entry().handles, options, helpers);
+  TRY(edited.quality, edited.set.deformer_.Update(edited.targets, measured, cancel, crew));
   metrics.Phase(runtime::Phase::kEdit, working.Micros() * 1e-6);
   return edited;
 }

@@ -35,9 +35,13 @@ class LiveSet {
   const HandleSetEntry& entry() const { return entry_; }
   const Deformer& deformer() const { return deformer_; }
 
-  // Computes the shape for one target per handle. Faults: those of Deformer::Update.
+  // Computes the shape for one target per handle; in a thread of the job lane, where the frame takes longer than
+  // kLongFrameSeconds, with help of those of the interactive lane. Faults: those of Deformer::Update.
   Result<ShapeQuality> Move(std::span<const Target> targets, const DeformOptions& options,
                             runtime::Metrics& metrics, const CancelToken& cancel);
+
+  // The processor time that other threads took for the last Move (runtime/helpers.h).
+  double helped_seconds() const { return helped_seconds_; }
 
   // The same for several shapes at once, one per lane at most: frames of a track, from `first` on.
   Status MoveMany(std::span<const std::span<const Target>> targets, const DeformOptions& options,
@@ -45,12 +49,12 @@ class LiveSet {
                   const CancelToken& cancel);
 
   // The same for two sets at once, see UpdateTogether: each has the shape and the faults that Move
-  // gives it.
+  // gives it. MoveTogether answers the processor time that other threads took for both.
   JointFrame FrameOf(std::span<const Target> targets, const DeformOptions& options,
                      CancelToken cancel) {
     return {deformer_, targets, options, std::move(cancel), {}};
   }
-  static void MoveTogether(JointFrame& one, JointFrame& other, runtime::Metrics& metrics);
+  static double MoveTogether(JointFrame& one, JointFrame& other, runtime::Metrics& metrics);
 
   // The set after an edit, its shape computed. `targets` are the last ones of this set: handles
   // that stay keep theirs, an added one starts where the current shape has it. This set is not
@@ -63,6 +67,7 @@ class LiveSet {
  private:
   HandleSetEntry entry_;
   Deformer deformer_;
+  double helped_seconds_ = 0;
 };
 
 struct EditedSet {

@@ -95,7 +95,7 @@ std::vector<Scalar> Solve(const PackedFactor<Scalar>& factor, const std::vector<
                           std::size_t columns, const PackedKernels& kernels) {
   std::vector<Scalar> x(right.size());
   std::vector<double> scratch(factor.ScratchSize());
-  factor.Solve(right.data(), columns, x.data(), scratch, kernels);
+  factor.Solve(right.data(), columns, x.data(), scratch, nullptr, kernels);
   return x;
 }
 

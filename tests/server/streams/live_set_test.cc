@@ -2,6 +2,8 @@
 #include "server/streams/live_set.h"
 
 #include <complex>
+#include <cstring>
+#include <future>
 #include <memory>
 #include <span>
 #include <string>
@@ -10,7 +12,12 @@
 
 #include <gtest/gtest.h>
 
+#include "arap/core/cost.h"
 #include "arap/core/registered_mesh.h"
+#include "server/runtime/metrics.h"
+#include "server/runtime/worker_pool.h"
+#include "server/streams/admission.h"
+#include "tests/support/bounded.h"
 #include "tests/support/meshes.h"
 #include "tests/support/poses.h"
 
@@ -60,6 +67,40 @@ TEST(PoseTest, CollapsedTriangleGivesNoRotation) {
   EXPECT_EQ(pose.position, Complex(3, 3));
   EXPECT_EQ(pose.angle, 0);
   EXPECT_EQ(pose.scale, 1);
+}
+
+// A frame that is a job for its length, here for many refinements, is shared with threads that have
+// nothing to do.
+TEST(LiveSetTest, ALongFrameHasTheSameBytesWhoeverHelps) {
+  HandleSetEntry entry;
+  entry.handles = Compiled(testing::JitteredGrid(140, 140, 3),
+                           {AtVertex("a", 0), AtVertex("b", 140), AtVertex("c", 9'800)});
+  std::vector<Target> targets = entry.handles->RestTargets();
+  targets[2].position += Complex(30, -20);
+  const DeformOptions options{DeformMode::kRigid, 40};
+  ASSERT_GT(EstimateFrame(*entry.handles, options).seconds(), kLongFrameSeconds);
+
+  runtime::Metrics metrics;
+  LiveSet alone(entry);
+  const auto expected = alone.Move(targets, options, metrics, {});
+  ASSERT_TRUE(expected.has_value());
+  EXPECT_EQ(alone.helped_seconds(), 0);
+
+  runtime::WorkerPool frames({.name = "frames", .threads = 4, .queue = 10});
+  runtime::WorkerPool jobs({.name = "jobs", .threads = 1, .queue = 10, .gives_way_to = &frames});
+  LiveSet helped(entry);
+  // On a busy machine the helpers may come too late.
+  EXPECT_TRUE(testing::Await("somebody helps", [&] {
+    std::promise<Result<ShapeQuality>> moved;
+    EXPECT_TRUE(jobs.TryPost([&] { moved.set_value(helped.Move(targets, options, metrics, {})); }));
+    auto answer = moved.get_future();
+    const auto quality = testing::Answer(answer, "a frame");
+    EXPECT_TRUE(quality.has_value() && *quality == *expected);
+    const auto a = helped.deformer().positions(), b = alone.deformer().positions();
+    EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size_bytes()), 0);
+    return frames.stats().helped > 0;
+  }));
+  EXPECT_GE(helped.helped_seconds(), 0);
 }
 
 }  // namespace

@@ -1,10 +1,15 @@
 // Streams on a server that is full.
 #include <cmath>
+#include <cstring>
 #include <future>
 #include <string>
 #include <vector>
 
+#include "arap/core/deformer.h"
+#include "arap/core/registered_mesh.h"
+#include "proto/convert/mesh.h"
 #include "tests/support/bounded.h"
+#include "tests/support/poses.h"
 #include "tests/system/wire/stream_fixture.h"
 
 namespace arap::wire {
@@ -176,6 +181,53 @@ TEST_F(StreamQuotaTest, OpenStreams) {
   DeformStream third(deformation());
   third.Opened("s", "h", v1::DELIVERY_LATEST);
 }
+
+// An update that is a job for its length, here for many refinements; other workers may take parts of it.
+class LongFrameTest : public WireTest, public ::testing::WithParamInterface<std::size_t> {};
+
+TEST_P(LongFrameTest, HasTheBytesOfOneThread) {
+  options().lanes = {GetParam(), 1};
+  const v1::PlanarMesh grid = Grid(140, 140);
+  ASSERT_TRUE(CreateSession("s").ok());
+  ASSERT_TRUE(Register("s", "m", grid).ok());
+  ASSERT_TRUE(Compile("s", "m", "h", {VertexHandle("a", 0), VertexHandle("b", 9'000)}).ok());
+  DeformStream stream(deformation());
+  v1::StreamDeformRequest request;
+  request.mutable_open()->set_session_id("s");
+  request.mutable_open()->set_handle_set_id("h");
+  request.mutable_open()->set_delivery(v1::DELIVERY_EVERY);
+  request.mutable_open()->mutable_options()->set_refine(40);
+  request.mutable_open()->mutable_options()->set_float64(true);
+  stream.Send(request);
+  const auto opened = stream.Read();
+  ASSERT_TRUE(opened && opened->has_opened());
+  const runtime::WorkerPool& jobs = host().engine().jobs;
+  ASSERT_TRUE(testing::Await("no job is there", [&] { return jobs.stats().running == 0; }));
+  const std::uint64_t before = jobs.stats().completed;
+  stream.Update(1, {TargetAt("a", 3, 7), TargetAt("b", 60, 90)});
+  const v1::Shape shape = stream.ReadShape();
+  EXPECT_TRUE(
+      testing::Await("the frame was a job", [&] { return jobs.stats().completed > before; }));
+
+  const auto mesh = convert::FromWire(grid, MeshLimits{});
+  ASSERT_TRUE(mesh.has_value());
+  const auto set =
+      CompiledHandles::Compile(*RegisteredMesh::Register(*mesh, {}),
+                               {testing::AtVertex("a", 0), testing::AtVertex("b", 9'000)});
+  ASSERT_TRUE(set.has_value());
+  Deformer deformer(*set);
+  const Target targets[] = {{{3, 7}}, {{60, 90}}};
+  const auto quality = deformer.Update(targets, {DeformMode::kRigid, 40});
+  ASSERT_TRUE(quality.has_value());
+  EXPECT_EQ(shape.energy(), quality->energy);
+  EXPECT_EQ(shape.mean_stretch(), quality->mean_stretch);
+  ASSERT_EQ(static_cast<std::size_t>(shape.positions64_size()), 2 * deformer.positions().size());
+  EXPECT_EQ(std::memcmp(shape.positions64().data(), deformer.positions().data(),
+                        deformer.positions().size_bytes()),
+            0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Workers, LongFrameTest, ::testing::Values(1u, 2u, 4u));
 
 }  // namespace
 }  // namespace arap::wire
