@@ -99,6 +99,24 @@ TEST(CrewTest, GivesFramesSideBySideTheBytesThatEachHasAlone) {
   }
 }
 
+TEST(CrewTest, GivesFramesOfTwoDeformersTheBytesThatEachHasAlone) {
+  const PlanarMesh mesh = JitteredGrid(150, 150, 4);
+  const auto registered = Register(mesh);
+  const auto set = Compile(registered, RandomHandles(mesh, 5, 6)),
+             other_set = Compile(registered, RandomHandles(mesh, 3, 9));
+  const auto targets = RandomTargets(*set, 3, 1), others = RandomTargets(*other_set, 9, 2);
+  ThreadCrew crew(3);
+  Deformer one(set), other(other_set), alone(set), other_alone(other_set);
+  JointFrame first{one, targets, {DeformMode::kRigid, 2}, {}, {}};
+  JointFrame second{other, others, {}, {}, {}};
+  UpdateTogether(first, second, &crew);
+  EXPECT_GT(crew.parts(), 10u);
+  ExpectSameBytes({{one.positions().begin(), one.positions().end()}, Must(first.quality)},
+                  ShapeOf(alone, targets, {DeformMode::kRigid, 2}, nullptr));
+  ExpectSameBytes({{other.positions().begin(), other.positions().end()}, Must(second.quality)},
+                  ShapeOf(other_alone, others, {}, nullptr));
+}
+
 TEST(CrewTest, AFaultLeavesTheShapeAsItWas) {
   const PlanarMesh mesh = JitteredGrid(150, 150, 4);
   const auto set = Compile(Register(mesh), RandomHandles(mesh, 5, 6));
