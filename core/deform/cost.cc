@@ -166,8 +166,14 @@ std::size_t DeformerBytes(const CompiledHandles& handles, std::size_t lanes) {
   std::size_t numbers = lanes * 8 + std::max<std::size_t>(2 * lanes, 2) + 4;
   if (handles.direct()) numbers += 2;
   if (CountRows(handles).inside > 0) numbers += 6;
-  return numbers * sizeof(double) * handles.mesh()->mesh().vertices.size() +
-         handles.rows() * (lanes + 4) * 2 * sizeof(double);
+  const std::size_t vertices = handles.mesh()->mesh().vertices.size();
+  std::size_t bytes =
+      numbers * sizeof(double) * vertices + handles.rows() * (lanes + 4) * 2 * sizeof(double);
+  // What several threads need for one frame besides: forces that wait to be added, and rows of the
+  // factor's top once for each of its parts.
+  constexpr std::size_t kShared = 100'000, kForces = 2'200'000, kTopRows = 2;
+  if (vertices > kShared) bytes += kForces + kTopRows * vertices;
+  return bytes;
 }
 
 }  // namespace arap
