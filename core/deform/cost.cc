@@ -160,7 +160,7 @@ Cost EstimateFrame(const CompiledHandles& handles, const DeformOptions& options,
   return cost;
 }
 
-std::size_t DeformerBytes(const CompiledHandles& handles, std::size_t lanes) {
+std::size_t DeformerBytes(const CompiledHandles& handles, std::size_t lanes, bool crew) {
   // Per lane: the shape, the last one and the next, and its force. For all: a solution of every
   // lane, and the rows that a solve has in its order.
   std::size_t numbers = lanes * 8 + std::max<std::size_t>(2 * lanes, 2) + 4;
@@ -169,10 +169,9 @@ std::size_t DeformerBytes(const CompiledHandles& handles, std::size_t lanes) {
   const std::size_t vertices = handles.mesh()->mesh().vertices.size();
   std::size_t bytes =
       numbers * sizeof(double) * vertices + handles.rows() * (lanes + 4) * 2 * sizeof(double);
-  // What several threads need for one frame besides: forces that wait to be added, and rows of the
-  // factor's top once for each of its parts.
-  constexpr std::size_t kShared = 100'000, kForces = 2'200'000, kTopRows = 2;
-  if (vertices > kShared) bytes += kForces + kTopRows * vertices;
+  // Forces that wait to be added, and the rows of the factor's top once for each of its parts.
+  constexpr std::size_t kForces = 2'200'000, kTopRows = 2;
+  if (crew) bytes += kForces + kTopRows * vertices;
   return bytes;
 }
 

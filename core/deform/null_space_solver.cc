@@ -109,6 +109,12 @@ void AddColumns(std::size_t count, std::size_t from, std::size_t to, std::span<C
   }
 }
 
+// How many vertices a part has to which so many columns are added: some hundred microseconds' work.
+std::size_t RangeOf(std::size_t columns) {
+  constexpr std::size_t kUsual = 16;  // columns
+  return std::max<std::size_t>(2'048, kVertexRange * kUsual / std::max(columns, kUsual));
+}
+
 }  // namespace
 
 std::size_t Responses::bytes() const {
@@ -198,22 +204,24 @@ Status NullSpaceSolver::AddSimilarity(std::span<const Complex> miss, std::span<C
   }
   similarity_.Solve(scratch.similarity);
   const auto& solution = scratch.similarity.solution;
-  RunRanges(scratch.crew, shape.size(), kVertexRange, [&](std::size_t begin, std::size_t end) {
-    ForRunsIn(mesh_->runs, begin, end, [&](const VertexRun& run) {
-      if (run.component == kNone || slot_[run.component] == kNone) return;
-      const auto at = k + 2 * static_cast<Eigen::Index>(slot_[run.component]);
-      AddSimilarityOf(run, mesh_->rest,
-                      {mesh_->components[run.component].center, solution[at], solution[at + 1]},
-                      shape);
-    });
-    // λ z is λ times the real part, and iλ times the imaginary one.
-    AddColumns(2 * rows_.size(), begin, end, shape, [&](std::size_t i) -> ScaledColumn {
-      const Responses::Column& column = responses_->of(columns_[i / 2]);
-      const Complex lambda = solution[static_cast<Eigen::Index>(i / 2)];
-      if (i % 2 == 0) return {column.similarity_real.data(), lambda};
-      return {column.similarity_imag.data(), Complex(-lambda.imag(), lambda.real())};
-    });
-  });
+  RunRanges(scratch.crew, shape.size(), RangeOf(2 * rows_.size()),
+            [&](std::size_t begin, std::size_t end) {
+              ForRunsIn(mesh_->runs, begin, end, [&](const VertexRun& run) {
+                if (run.component == kNone || slot_[run.component] == kNone) return;
+                const auto at = k + 2 * static_cast<Eigen::Index>(slot_[run.component]);
+                AddSimilarityOf(
+                    run, mesh_->rest,
+                    {mesh_->components[run.component].center, solution[at], solution[at + 1]},
+                    shape);
+              });
+              // λ z is λ times the real part, and iλ times the imaginary one.
+              AddColumns(2 * rows_.size(), begin, end, shape, [&](std::size_t i) -> ScaledColumn {
+                const Responses::Column& column = responses_->of(columns_[i / 2]);
+                const Complex lambda = solution[static_cast<Eigen::Index>(i / 2)];
+                if (i % 2 == 0) return {column.similarity_real.data(), lambda};
+                return {column.similarity_imag.data(), Complex(-lambda.imag(), lambda.real())};
+              });
+            });
   return {};
 }
 
@@ -237,20 +245,21 @@ Status NullSpaceSolver::AddRigid(std::span<const Complex> solution, std::span<co
   rigid_.Solve(scratch.rigid_x);
   rigid_.Solve(scratch.rigid_y);
   const auto &x = scratch.rigid_x.solution, &y = scratch.rigid_y.solution;
-  RunRanges(scratch.crew, shape.size(), kVertexRange, [&](std::size_t begin, std::size_t end) {
-    if (!solution.empty()) {
-      AddShape(solution.subspan(begin, end - begin), shape.subspan(begin, end - begin));
-    }
-    AddColumns(rows_.size(), begin, end, shape, [&](std::size_t i) -> ScaledColumn {
-      const auto row = static_cast<Eigen::Index>(i);
-      return {responses_->of(columns_[i]).rigid.data(), {x[row], y[row]}};
-    });
-    ForRunsIn(mesh_->runs, begin, end, [&](const VertexRun& run) {
-      if (run.component == kNone || slot_[run.component] == kNone) return;
-      const auto at = k + static_cast<Eigen::Index>(slot_[run.component]);
-      Shift(run, {x[at], y[at]}, shape);
-    });
-  });
+  RunRanges(scratch.crew, shape.size(), RangeOf(rows_.size()),
+            [&](std::size_t begin, std::size_t end) {
+              if (!solution.empty()) {
+                AddShape(solution.subspan(begin, end - begin), shape.subspan(begin, end - begin));
+              }
+              AddColumns(rows_.size(), begin, end, shape, [&](std::size_t i) -> ScaledColumn {
+                const auto row = static_cast<Eigen::Index>(i);
+                return {responses_->of(columns_[i]).rigid.data(), {x[row], y[row]}};
+              });
+              ForRunsIn(mesh_->runs, begin, end, [&](const VertexRun& run) {
+                if (run.component == kNone || slot_[run.component] == kNone) return;
+                const auto at = k + static_cast<Eigen::Index>(slot_[run.component]);
+                Shift(run, {x[at], y[at]}, shape);
+              });
+            });
   return {};
 }
 

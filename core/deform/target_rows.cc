@@ -53,6 +53,7 @@ TargetRows::TargetRows(const CompiledHandlesParts& set)
 Status TargetRows::Place(std::span<const Target> given) {
   CHECK_OK(Check(given));
   PlaceRows(given);
+  CHECK_OK(CheckFar());
   CHECK_OK(CheckDependent());
   PlaceTranslating();
   return {};
@@ -89,6 +90,17 @@ void TargetRows::PlaceRows(std::span<const Target> given) {
   if (!set_.roles.active_rows.empty())
     middle_ /= static_cast<double>(set_.roles.active_rows.size());
   for (Complex& c : targets_) c -= middle_;
+}
+
+// Squares of what is farther away are no numbers: rotations would be 0 and positions nevertheless finite.
+Status TargetRows::CheckFar() const {
+  constexpr double kFarthest = 1e140;  // diagonals
+  for (const Complex& target : targets_) {
+    if (std::abs(target.real()) <= kFarthest && std::abs(target.imag()) <= kFarthest) continue;
+    return Fail(FaultKind::kNumerical,
+                "The shape is not finite: the targets are too far away for this mesh.");
+  }
+  return {};
 }
 
 Status TargetRows::CheckDependent() const {

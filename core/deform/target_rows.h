@@ -32,6 +32,7 @@ class TargetRows {
  private:
   Status Check(std::span<const Target> given) const;
   void PlaceRows(std::span<const Target> given);
+  Status CheckFar() const;
   Status CheckDependent() const;
   void PlaceTranslating();
 

@@ -99,7 +99,7 @@ Warning ClampedWarning(std::size_t edges);
 // kInvalidOption.
 Status CheckEnergyOptions(const EnergyOptions& options, std::size_t triangles);
 
-// Builds the cells. Of the topology of one component FACE cells without welds need nothing, which may be
+// Builds the cells. FACE cells of a surface read nothing of a topology of one component, which may be
 // empty then. `frame` gives each triangle's shape; for EDGE cells the two triangles of a
 // hinge are unfolded about their edge, one on each side, as their orientation says. VERTEX cells
 // need one common frame (planar meshes) and vertices without thousands of edges: kInvalidOption.

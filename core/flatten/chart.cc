@@ -61,8 +61,7 @@ void LeaveOut(const std::vector<std::uint32_t>& degenerate, Chart& chart) {
 // Shares vertices and triangles out among the charts, which are empty yet.
 void Distribute(CutSurface& surface, std::vector<Chart>& charts) {
   std::vector<Triangle>& triangles = surface.mesh.triangles;
-  constexpr std::uint32_t kUnused = kNone;
-  std::vector<std::uint32_t> chart_of(surface.mesh.vertices.size(), kUnused);
+  std::vector<std::uint32_t> chart_of(surface.mesh.vertices.size(), kNone);
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     charts[surface.chart_of[t]].triangles.push_back(t);
     for (const std::uint32_t v : triangles[t]) chart_of[v] = surface.chart_of[t];
@@ -70,7 +69,7 @@ void Distribute(CutSurface& surface, std::vector<Chart>& charts) {
   // Vertices keep their order, so that a surface of one chart keeps its numbers.
   std::vector<std::uint32_t> local(surface.mesh.vertices.size(), kNone);
   for (std::uint32_t v = 0; v < chart_of.size(); ++v) {
-    if (chart_of[v] == kUnused) continue;
+    if (chart_of[v] == kNone) continue;
     Chart& chart = charts[chart_of[v]];
     local[v] = static_cast<std::uint32_t>(chart.vertices.size());
     chart.vertices.push_back(v);
@@ -138,6 +137,7 @@ Result<std::vector<Chart>> MakeCharts(CutSurface& surface, bool edges, const Can
     chart.triangles.resize(chart.mesh.triangles.size());
     std::iota(chart.triangles.begin(), chart.triangles.end(), 0u);
   } else {
+    surface.sides = {};  // of triangles that are no more
     Distribute(surface, charts);
   }
   surface.mesh = {};

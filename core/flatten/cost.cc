@@ -151,13 +151,17 @@ FlattenCost EstimateFlatten(const SurfaceSize& size, const FlattenOptions& optio
   if (abf) total += std::max(0.0, triangles - vertices + 2 * charts) * cost.Angles();
   if (options.cut.auto_cut) total += 2.5 * triangles;
 
-  // Surfaces with EDGE cells or angles have the edges, too.
-  double bytes = 1.5e6 + (edges || abf ? 420 : 320) * vertices + 750 * charts;
+  // Surfaces with EDGE cells or angles have the edges, too, and those that are kept.
+  double bytes = 1.5e6 + (edges || abf || keep ? 420 : 320) * vertices + 750 * charts;
   double layout = LayoutBytes(options, cost.log);
   if (SolvesForPins(options)) layout += 250;
   bytes += layout * static_cast<double>(largest);
-  // Of all charts the factors stay: of ARAP those of both steps.
-  if (keep) bytes += (options.method == FlattenMethod::kArap ? 0.8 : 0.35) * layout * vertices;
+  // Of all charts the factors stay: of ARAP those of both steps. What a small chart keeps of a layout that
+  // needs one factor is nearly all.
+  if (keep) {
+    const bool both = options.method == FlattenMethod::kArap;
+    bytes += (both ? 0.8 * layout : 0.35 * std::max(layout, 1050 + 10 * cost.log)) * vertices;
+  }
   return {1e-3 * total, static_cast<std::size_t>(bytes)};
 }
 

@@ -261,7 +261,7 @@ bool AreModerate(BlockView x, std::size_t rows, std::size_t depth) {
 void SquareOfAnyNumbers(BlockView x, std::size_t rows, std::size_t columns, std::size_t depth,
                         double* product) {
   for (std::size_t c = 0; c < columns; ++c) {
-    for (std::size_t r = c; r < rows; ++r) {
+    for (std::size_t r = c & ~std::size_t{1}; r < rows; ++r) {
       double sum = 0;
       for (std::size_t k = 0; k < depth; ++k) {
         sum = std::fma(x.numbers[r + k * x.stride], x.numbers[c + k * x.stride], sum);

@@ -39,7 +39,7 @@ class BlockProducts {
   void Square(BlockView x, std::size_t rows, std::size_t columns, std::size_t depth) {
     stride_ = square_(x, rows, columns, depth, scratch_);
   }
-  // Number (r, c) of the last one is column(c)[r]; r ≥ c.
+  // Number (r, c) of the last one is column(c)[r]; r ≥ c, and of an odd column the number above its diagonal.
   const double* column(std::size_t c) const { return scratch_.product.data() + c * stride_; }
   std::size_t stride() const { return stride_; }
 

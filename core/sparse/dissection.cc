@@ -59,13 +59,22 @@ class EdgeCover {
  private:
   // Gives l an edge of its own, if need be by giving others another one.
   bool Pair(int l, int round) {
-    for (std::size_t e = begin_[Index(l)]; e < begin_[Index(l) + 1]; ++e) {
-      const std::size_t r = Index(ends_[e]);
-      if (std::exchange(seen_[r], round) == round) continue;
-      if (left_of_[r] < 0 || Pair(left_of_[r], round)) {
-        left_of_[r] = l;
-        return true;
+    // The vertices that give way to one another, each with its next edge to be tried.
+    path_.assign(1, {l, begin_[Index(l)]});
+    while (!path_.empty()) {
+      auto& [left, edge] = path_.back();
+      if (edge == begin_[Index(left) + 1]) {
+        path_.pop_back();
+        continue;
       }
+      const std::size_t r = Index(ends_[edge++]);
+      if (std::exchange(seen_[r], round) == round) continue;
+      if (const int other = left_of_[r]; other >= 0) {
+        path_.emplace_back(other, begin_[Index(other)]);
+        continue;
+      }
+      for (const auto& [each, next] : path_) left_of_[Index(ends_[next - 1])] = each;
+      return true;
     }
     return false;
   }
@@ -74,6 +83,7 @@ class EdgeCover {
   std::vector<int> ends_;
   std::size_t rights_ = 0;
   std::vector<int> left_of_, seen_;
+  std::vector<std::pair<int, std::size_t>> path_;
   std::vector<bool> left_, right_;
 };
 

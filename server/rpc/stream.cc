@@ -262,8 +262,9 @@ class StreamReactor final
       const MutexLock lock(&mutex_);
       CHECK_OK(policy_.AdmitFrames(seconds));
     }
-    TRY(live_room_, engine_.derived.Reserve(
-                        caller_, app::LiveSet::BytesOf(*entry.handles, 1) + options_.bytes()));
+    TRY(live_room_,
+        engine_.derived.Reserve(
+            caller_, app::LiveSet::BytesOf(*entry.handles, options_.deform, 1) + options_.bytes()));
     end_listener_ = session_->AddEndListener(
         [weak = weak_from_this(), ended = app::NotFound("session", open_.session_id())] {
           if (const auto self = weak.lock()) self->End(ended);
@@ -330,14 +331,16 @@ class StreamReactor final
       const std::vector<std::string> remove(edit_.remove().begin(), edit_.remove().end());
       const CancelToken cancel = CancelTokenOf(context_);
       TRY(const arap::Cost cost, app::EditCostOf(entry, remove, add, engine_.limits, cancel));
-      TRY(auto room, engine_.derived.Reserve(caller_, app::LiveSet::BytesOf(*entry.handles, 1) +
-                                                          options_.bytes() + cost.bytes));
+      TRY(auto room, engine_.derived.Reserve(
+                         caller_, app::LiveSet::BytesOf(*entry.handles, options_.deform, 1) +
+                                      options_.bytes() + cost.bytes));
       TRY(auto edited, live_->Edited(remove, add, job_.targets, options_.deform, engine_.limits,
                                      cancel, engine_.metrics));
       CHECK_OK(ToWire(edited.set, edited.quality, options_, {}, cancel, {queue_micros, working},
                       answer->message.mutable_shape()));
       const CompiledHandles& handles = *edited.set.entry().handles;
-      room.Shrink(app::LiveSet::BytesOf(handles, 1) + options_.bytes() + handles.bytes());
+      room.Shrink(app::LiveSet::BytesOf(handles, options_.deform, 1) + options_.bytes() +
+                  handles.bytes());
       live_room_ = std::move(room);
       return edited;
     });

@@ -130,7 +130,8 @@ class TrackReactor final : public LongAnswer<v1::DeformTrackRequest, v1::DeformT
       CHECK_OK(cancel_.Check());
     }
     TRY(live_room_, engine_.derived.Reserve(
-                        caller_, app::LiveSet::BytesOf(*entry.handles, kLanes) + options_.bytes()));
+                        caller_, app::LiveSet::BytesOf(*entry.handles, options_.deform, kLanes) +
+                                     options_.bytes()));
     frames_seconds_ = kLanes * EstimateFrame(*entry.handles, options_.deform).seconds();
     live_.emplace(std::move(entry), kLanes);
     return {};

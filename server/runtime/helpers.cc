@@ -19,6 +19,8 @@ struct WorkerPool::Offer {
 };
 
 bool WorkerPool::HelpLocked() {
+  // A processor for every job, for everybody who is helped and for every helper.
+  if (running_ + helping_ + offers_.size() >= options_.threads) return false;
   const auto found = std::find_if(offers_.begin(), offers_.end(), [](const Offer* each) {
     return each->next < each->parts && each->helping < each->most;
   });
@@ -26,11 +28,13 @@ bool WorkerPool::HelpLocked() {
   Offer& offer = **found;
   const std::size_t index = offer.next++;
   ++offer.helping;
+  ++helping_;
   mutex_.Unlock();
   CpuTimer processor;
   offer.call(offer.part, index);
   const double seconds = processor.Lap() * 1e-3;
   mutex_.Lock();
+  --helping_;
   offer.seconds += seconds;
   busy_ += std::chrono::duration_cast<std::chrono::steady_clock::duration>(
       std::chrono::duration<double>(seconds));

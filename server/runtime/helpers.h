@@ -11,8 +11,8 @@ namespace arap::runtime {
 // Threads without a job that take parts of a job that runs in this thread: those of the pool that its
 // own gives way to. Nobody waits for them but for the end of a part that one has begun, and a thread
 // looks for jobs before every part: a job waits for one part at most. What they take of the
-// processor is charged to the owner of the job. As many threads at once as the other pool has for
-// long jobs, this one included, so that they have a processor each.
+// processor is charged to the owner of the job. Jobs of the other pool, those who are helped and their
+// helpers are together as many as its threads for long jobs, so that they have a processor each.
 class Helpers final : public Crew {
  public:
   // To be used in the thread that makes it, for no longer than its job runs.

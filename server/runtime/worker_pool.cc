@@ -292,20 +292,24 @@ std::shared_ptr<void> WorkerPool::TakeAlong(Worker& worker) {
         HasPlaceLocked()) {
       return nullptr;
     }
-    // Short work waits for its like only.
-    const bool takes_short =
-        worker.share.seconds <= options_.short_seconds && !HasShortPlaceLocked();
+    // Both are answered when both are done, so that short work takes its like only, for which there may be a place of
+    // its own, and none takes what is much longer than itself.
+    const bool is_short = worker.share.seconds <= options_.short_seconds;
+    if (is_short && HasShortPlaceLocked()) return nullptr;
     taken = queue_.PopWhere([&](const Queue::Entry& entry) {
       return entry.item.company.reads == worker.reads &&
-             (takes_short || entry.share.seconds > options_.short_seconds);
+             (entry.share.seconds <= options_.short_seconds) == is_short &&
+             (is_short || entry.share.seconds <= 2 * worker.share.seconds);
     });
     if (!taken) return nullptr;
-    ChargeLocked(worker);
-    worker.along = taken->share;
+    // What it has taken alone; it is charged in the end, for all of it is paid for.
+    worker.clock = steady_clock::now();
+    worker.used += worker.processor.Lap() * 1e-3 + std::exchange(worker.helped, 0);
     worker.along_paid = Queue::Paid(taken->share);
     ++taken_along_;
     // Both together may be a long job, beside which there is a place for short ones.
     jobs_[worker.thread]->seconds += taken->share.seconds;
+    worker.along = std::move(taken->share);
     wakes = !queue_.empty() && HasShortPlaceLocked();
   }
   if (wakes) wake_.Signal();

@@ -187,6 +187,7 @@ class WorkerPool {
   std::uint64_t taken_along_ ABSL_GUARDED_BY(mutex_) = 0;
   std::uint64_t gave_way_ ABSL_GUARDED_BY(mutex_) = 0;
   std::vector<Offer*> offers_ ABSL_GUARDED_BY(mutex_);  // on the stacks of their threads
+  std::size_t helping_ ABSL_GUARDED_BY(mutex_) = 0;     // threads that are at a part
   std::uint64_t helped_ ABSL_GUARDED_BY(mutex_) = 0;
   // Of the jobs that have ended.
   std::chrono::steady_clock::duration busy_ ABSL_GUARDED_BY(mutex_){};

@@ -64,9 +64,12 @@ Target PoseOf(const PlanarMesh& mesh, const PlacedHandle& handle,
 }
 
 // Who helps with a frame in this thread: whoever has nothing to do, with a frame that is a job for its length.
+bool IsHelped(const CompiledHandles& handles, const DeformOptions& options) {
+  return EstimateFrame(handles, options).seconds() > kLongFrameSeconds;
+}
 Crew* CrewFor(const CompiledHandles& handles, const DeformOptions& options,
               runtime::Helpers& helpers) {
-  return EstimateFrame(handles, options).seconds() > kLongFrameSeconds ? helpers.crew() : nullptr;
+  return IsHelped(handles, options) ? helpers.crew() : nullptr;
 }
 
 }  // namespace
@@ -85,14 +88,17 @@ std::vector<Target> PosesOf(const RegisteredMesh& mesh, std::span<const PlacedHa
 LiveSet::LiveSet(HandleSetEntry entry, std::size_t lanes)
     : entry_(std::move(entry)), deformer_(entry_.handles, lanes) {}
 
-std::size_t LiveSet::BytesOf(const CompiledHandles& handles, std::size_t lanes) {
+std::size_t LiveSet::BytesOf(const CompiledHandles& handles, const DeformOptions& options,
+                             std::size_t lanes) {
   const std::size_t vertices = handles.mesh()->mesh().vertices.size();
-  return DeformerBytes(handles, lanes) + 3 * lanes * vertices * 2 * sizeof(double);
+  return DeformerBytes(handles, lanes, IsHelped(handles, options)) +
+         3 * lanes * vertices * 2 * sizeof(double);
 }
 
 Result<ShapeQuality> LiveSet::Move(std::span<const Target> targets, const DeformOptions& options,
                                    runtime::Metrics& metrics, const CancelToken& cancel) {
   const runtime::WallTimer working;
+  helped_seconds_ = 0;
   runtime::Helpers helpers;
   Crew* crew = CrewFor(*entry_.handles, options, helpers);
   auto quality = deformer_.Update(targets, options, cancel, crew);

@@ -30,7 +30,8 @@ class LiveSet {
 
   // What it holds beside its handle set, with what a call has under way: the deformer, and three
   // shapes in each lane, one computed, one waiting and one being written.
-  static std::size_t BytesOf(const CompiledHandles& handles, std::size_t lanes);
+  static std::size_t BytesOf(const CompiledHandles& handles, const DeformOptions& options,
+                             std::size_t lanes);
 
   const HandleSetEntry& entry() const { return entry_; }
   const Deformer& deformer() const { return deformer_; }

@@ -268,10 +268,17 @@ TEST(HandlesTest, TargetsBeyondNumbersAreAFaultAndNotNaN) {
   const PlanarMesh mesh = Grid(4, 4, 4, 4);
   const auto set = Compile(Register(mesh), {OnVertex("a", 0), OnVertex("b", 24)});
   Deformer deformer(set);
-  const auto far = deformer.Update(std::vector<Target>{{1e308, 0, 1}, {-1e308, 0, 1}});
-  ASSERT_FALSE(far.has_value());
-  EXPECT_EQ(far.error().kind, FaultKind::kNumerical);
-  EXPECT_TRUE(AllFinite(deformer.positions()));
+  // Of 1e160 positions would be finite, and rotations 0.
+  for (const double x : {1e308, 1e160}) {
+    for (const std::uint32_t every : {0u, 1u}) {
+      DeformOptions options;
+      options.measure_every = every;
+      const auto far = deformer.Update(std::vector<Target>{{x, 0, 1}, {-x, 0, 1}}, options);
+      ASSERT_FALSE(far.has_value()) << x << " " << every;
+      EXPECT_EQ(far.error().kind, FaultKind::kNumerical);
+      EXPECT_TRUE(AllFinite(deformer.positions()));
+    }
+  }
 }
 
 TEST(HandlesTest, DepthFadesAndOrdersTheTriangles) {

@@ -148,6 +148,27 @@ TEST(FlattenCostTest, SaysTheMemoryWithinAThird) {
   }
 }
 
+// With what stays until the next flattening of the surface.
+TEST(FlattenCostTest, SaysTheMemoryOfSurfacesThatAreKept) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "A sanitizer needs memory of its own.";
+#endif
+  const std::vector<std::pair<const char*, FlattenOptions>> methods{
+      {"ARAP", ArapOptions()}, {"LSCM, centre edge", CentreEdge(LscmOptions())}};
+  for (const auto& mesh : {Sheet(120, 0), Sheets(20, 40)}) {
+    for (const auto& [name, options] : methods) {
+      const double said = static_cast<double>(EstimateFlatten(SizeOf(mesh), options, true).bytes);
+      malloc_trim(0);
+      const auto before = ResidentBytes("VmRSS:");
+      if (!before || !ForgetPeak()) GTEST_SKIP() << "The system does not tell the peak.";
+      const auto surface = Prepare(mesh, options.cut);
+      ASSERT_TRUE(surface && Flatten(**surface, options));
+      const double taken = ResidentBytes("VmHWM:").value_or(0) - *before;
+      EXPECT_LT(taken, 1.3 * said + 2 * kMegabyte) << name << ", " << mesh.triangles.size();
+    }
+  }
+}
+
 // In a process of its own, with so much room beyond what it has.
 TEST(FlattenMemoryDeathTest, MemoryThatRunsOutIsAFault) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)

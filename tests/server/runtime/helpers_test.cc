@@ -121,35 +121,28 @@ class OneHelperTest : public HelpersTest {
   OneHelperTest() : HelpersTest(2) {}
 };
 
-TEST_F(OneHelperTest, AJobComesBeforeTheNextPart) {
-  Event helping, posted, ran, blocked, end;
-  ASSERT_TRUE(others_.TryPost([&] {
-    blocked.promise.set_value();
-    Await(end.future, "the end of the test");
-  }));
-  Await(blocked.future, "the other thread");
-  std::atomic<int> helped = 0, helped_before_the_job = 0;
+TEST_F(OneHelperTest, NobodyHelpsWhileAJobNeedsTheProcessor) {
+  Event helping, started, all;
+  std::atomic<int> helped = 0;
   std::thread client([&] {
     Await(helping.future, "a helper");
-    EXPECT_TRUE(others_.TryPost([&] {
-      helped_before_the_job = helped.load();
-      ran.promise.set_value();
+    // It runs until all parts are done, in the thread that does not help.
+    EXPECT_TRUE(others_.TryPost([&, future = all.future] {
+      started.promise.set_value();
+      Await(future, "all parts");
     }));
-    posted.promise.set_value();
   });
   InJob([&] {
     const auto here = std::this_thread::get_id();
     Helpers helpers;
     helpers.crew()->Run(10, [&](std::size_t) {
-      if (std::this_thread::get_id() == here) return Await(ran.future, "the end of the job");
-      // Its first part ends when a job waits for the thread.
-      if (++helped == 1) helping.promise.set_value();
-      Await(posted.future, "the job");
+      if (std::this_thread::get_id() != here && ++helped == 1) helping.promise.set_value();
+      Await(started.future, "the job");
     });
+    all.promise.set_value();
   });
   client.join();
-  EXPECT_EQ(helped_before_the_job, 1);
-  end.promise.set_value();
+  EXPECT_EQ(helped, 1);
 }
 
 TEST_F(OneHelperTest, WhoIsHelpedPays) {

@@ -98,6 +98,21 @@ TEST_F(TakeAlongTest, ShortWorkKeepsItsPlace) {
   EXPECT_EQ(pool.stats().taken_along, 0u);
 }
 
+TEST_F(TakeAlongTest, NobodyIsAnsweredMuchLaterForCompany) {
+  PoolOptions options{"frames", 1, 10};
+  options.short_seconds = 0.05;
+  for (const auto& [own, other] : {std::pair(0.01, 60.0), std::pair(0.1, 1.0)}) {
+    WorkerPool pool(options);
+    Blocker blocker(pool);
+    const auto alone = [] { EXPECT_EQ(TakeAlong(), nullptr); };
+    EXPECT_TRUE(pool.Continue(alone, {"ann", 1, own}, Reading(&kOneMesh)));
+    EXPECT_TRUE(pool.Continue(alone, {"ann", 2, other}, Reading(&kOneMesh)));
+    blocker.Open();
+    pool.Stop();
+    EXPECT_EQ(pool.stats().completed, 3u) << own;
+  }
+}
+
 void Burn(double wanted) {
   CpuTimer timer;
   for (double spent = 0; spent < wanted;) spent += timer.Lap();

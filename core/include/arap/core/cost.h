@@ -63,7 +63,7 @@ EditCost EstimateEdit(const CompiledHandles& handles, std::span<const std::strin
 Cost EstimateFrame(const CompiledHandles& handles, const DeformOptions& options,
                    std::size_t picks = 0);
 
-// What a Deformer with so many lanes holds once it is warm.
-std::size_t DeformerBytes(const CompiledHandles& handles, std::size_t lanes = 1);
+// What a Deformer with so many lanes holds once it is warm, and has had a crew.
+std::size_t DeformerBytes(const CompiledHandles& handles, std::size_t lanes = 1, bool crew = false);
 
 }  // namespace arap
