@@ -118,6 +118,10 @@ class Panel:
     def svg(self):
         last, text = -math.inf, ""
         for x, y, colour, name in sorted(self.names, key=lambda one: one[1]):
+            if x < self.left + self.width:
+                # Above the end of its line: beside it other lines go on.
+                text += f'<text x="{x - 12:.1f}" y="{y - 10:.1f}" text-anchor="end" fill="{colour}">{name}</text>\n'
+                continue
             last = max(y, last + 15)
             text += f'<text x="{x + 8:.1f}" y="{last + 4:.1f}" fill="{colour}">{name}</text>\n'
         return "\n".join(self.parts) + "\n" + text
