@@ -18,7 +18,9 @@
 #include "tests/bench/contenders.h"
 #include "tests/bench/deform_section.h"
 #include "tests/bench/flatten_section.h"
+#include "tests/bench/layouts_section.h"
 #include "tests/bench/surfaces_table.h"
+#include "tests/support/hard_surfaces.h"
 
 namespace arap::bench {
 namespace {
@@ -83,6 +85,18 @@ Json FlattenSection(const Options& options) {
   return section;
 }
 
+// The same surfaces whatever sizes were asked for.
+Json LayoutsSection(const Options&) {
+  Json section = Json::object();
+  PrintLayoutsHead();
+  for (const auto& [name, mesh] : arap::testing::HardSurfaces()) {
+    section[name] = MeasureLayouts(mesh);
+    PrintLayouts(name, section[name]);
+    std::fflush(stdout);
+  }
+  return section;
+}
+
 struct Section {
   std::string only;  // the name that --only takes
   std::string name;  // in the JSON
@@ -95,6 +109,7 @@ const std::vector<Section>& Sections() {
       {"deform", "deform_character",
        [](const Options& o) { return DeformSection(o, CharacterScene); }},
       {"flatten", "flatten", FlattenSection},
+      {"layouts", "layouts", LayoutsSection},
   };
   return sections;
 }
@@ -144,7 +159,7 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingFile);
   app.add_option("--only", options.only, "sections to run")
       ->delimiter(',')
-      ->check(CLI::IsMember({"deform", "flatten"}));
+      ->check(CLI::IsMember({"deform", "flatten", "layouts"}));
   app.add_option("--sizes", options.sizes, "vertices to deform, triangles to flatten")
       ->delimiter(',')
       ->check(CLI::IsMember(kSizes));
