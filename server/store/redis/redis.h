@@ -22,7 +22,6 @@ class RedisReply {
  public:
   explicit RedisReply(redisReply* reply) : reply_(reply) {}
 
-  bool IsNil() const { return reply_->type == REDIS_REPLY_NIL; }
   bool IsError() const { return reply_->type == REDIS_REPLY_ERROR; }
   // Whether it is an error whose first word is this.
   bool IsError(std::string_view word) const;
