@@ -135,7 +135,8 @@ TEST(CrewTest, AFaultLeavesTheShapeAsItWas) {
     if (++asked < 2) return {};
     return Fail(FaultKind::kCancelled, "Enough.");
   });
-  const auto cancelled = deformer.Update(far, {DeformMode::kRigid, 3}, cancel, &crew);
+  const auto others = RandomTargets(*set, 3, 2);
+  const auto cancelled = deformer.Update(others, {DeformMode::kRigid, 3}, cancel, &crew);
   ASSERT_FALSE(cancelled.has_value());
   EXPECT_EQ(cancelled.error().kind, FaultKind::kCancelled);
   const auto positions = deformer.positions();
