@@ -191,9 +191,10 @@ void AddPlan(CLI::App& app, Run& run) {
   number("--cores", flags->machine.cores, 1, 1'024, "N", "cores of a server; default 8");
   number("--memory", flags->memory_gb, 0.1, 1e5, "GB", "its memory; default 32");
   number("--network", flags->network_gbit, 0.001, 1e4, "GBIT/S", "what it can send; default 10");
-  number("--update-micros", flags->update_micros, 0.1, 1e9, "MICROS",
-         "processor time of an update where they are to run, as tests/bench/replicas.py measures it; "
-         "default by the formula of docs/operations.md");
+  number(
+      "--update-micros", flags->update_micros, 0.1, 1e9, "MICROS",
+      "processor time of an update where they are to run, as tests/bench/replicas.py measures it; "
+      "default by the formula of docs/operations.md");
   number("--use", flags->use_percent, 1, 99, "PERCENT",
          "how busy its cores may be, so that there is room for bursts; default 70");
   SetReply(*command, run, flags, &MakeReply);
