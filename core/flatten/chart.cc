@@ -24,7 +24,7 @@ constexpr double kEqualDistances = 1e-9;
 constexpr double kNoLength = 1e-9;
 
 std::array<Complex, 3> SliverFrame(const SurfaceMesh& mesh, const Triangle& t) {
-  std::array<double, 3> side;  // opposite corner k
+  std::array<double, 3> side{};  // opposite corner k
   for (std::size_t k = 0; k < 3; ++k) {
     side[k] = (Vec(mesh.vertices[t[(k + 2) % 3]]) - Vec(mesh.vertices[t[(k + 1) % 3]])).norm();
   }

@@ -100,12 +100,11 @@ ARAP_INLINE bool Tile(const double* x, std::size_t x_stride, const double* y, st
                       std::size_t depth, double* product, std::size_t stride, bool more) {
   using Ops = Code<kLanes>;
   Ops ops;
-  Lanes<kLanes> sum[kColumns][kVectors];
+  Lanes<kLanes> sum[kColumns][kVectors]{};
 #pragma GCC unroll 8
   for (std::size_t c = 0; c < kColumns; ++c) {
 #pragma GCC unroll 8
     for (std::size_t v = 0; v < kVectors; ++v) {
-      sum[c][v] = Lanes<kLanes>{};
       if (more) {
         sum[c][v] = *reinterpret_cast<const Lanes<kLanes>*>(product + c * stride + v * kLanes);
       }

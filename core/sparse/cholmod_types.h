@@ -30,9 +30,9 @@ class CholmodCommon {
 };
 
 template <class Scalar>
-constexpr int kXtype = CHOLMOD_REAL;
+inline constexpr int kXtype = CHOLMOD_REAL;
 template <>
-constexpr int kXtype<std::complex<double>> = CHOLMOD_COMPLEX;
+inline constexpr int kXtype<std::complex<double>> = CHOLMOD_COMPLEX;
 
 // A view of an Eigen matrix; nothing is copied.
 template <class Scalar>

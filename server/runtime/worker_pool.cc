@@ -29,7 +29,7 @@ void NameThread(const std::string& name) {
 // A thread and the job that it runs. Only the thread itself looks at it.
 struct WorkerPool::Worker {
   WorkerPool& pool;
-  std::size_t thread;
+  std::size_t thread = 0;
   Place place = Place::kAny;
   Share share{};
   const void* reads = nullptr;   // see Company
