@@ -5,9 +5,15 @@
 // fused multiply-add and no reassociation: the twins agree to the last bit.
 #pragma once
 
+// clang compiles the plain code only: it forgets in a reference that lanes lie anywhere (lanes.h), and moves them as if they
+// lay on a multiple of their size.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define ARAP_HAS_WIDE 1
+#endif
+
 namespace arap {
 
-#if defined(__x86_64__) && defined(__GNUC__)
+#ifdef ARAP_HAS_WIDE
 #define ARAP_WIDE_BODY [[gnu::always_inline]] inline
 #define ARAP_WIDE(body, twin, parameters, arguments) \
   [[gnu::target("avx2")]] void twin parameters { body arguments; }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/lanes.h"
+#include "core/base/wide.h"
 
 namespace arap {
 namespace {
@@ -237,12 +238,12 @@ ARAP_INLINE std::size_t LargeSquare(BlockView x, std::size_t rows, std::size_t c
 }
 
 // Packing X costs as much as a few columns of a product.
-bool IsLarge(std::size_t rows, std::size_t columns, std::size_t depth) {
+[[maybe_unused]] bool IsLarge(std::size_t rows, std::size_t columns, std::size_t depth) {
   return rows >= 48 && columns >= 16 && depth >= 8;
 }
 
 // Whether products of these numbers are far from the smallest and the largest there are.
-bool AreModerate(BlockView x, std::size_t rows, std::size_t depth) {
+[[maybe_unused]] bool AreModerate(BlockView x, std::size_t rows, std::size_t depth) {
   constexpr double kLeast = 0x1p-400, kMost = 0x1p400;
   for (std::size_t k = 0; k < depth; ++k) {
     const double* column = x.numbers + k * x.stride;
@@ -272,7 +273,10 @@ void SquareOfAnyNumbers(BlockView x, std::size_t rows, std::size_t columns, std:
 
 std::size_t SquarePlain(BlockView x, std::size_t rows, std::size_t columns, std::size_t depth,
                         ProductScratch& scratch) {
-#ifdef __FP_FAST_FMA
+#ifdef __clang__
+  // See wide.h: no lanes.
+  SquareOfAnyNumbers(x, rows, columns, depth, scratch.product.data());
+#elif defined(__FP_FAST_FMA)
   SmallSquare<Fused, 2, 2>(x, rows, columns, depth, scratch.product.data());
 #else
   if (!AreModerate(x, rows, depth) ||
@@ -283,7 +287,7 @@ std::size_t SquarePlain(BlockView x, std::size_t rows, std::size_t columns, std:
   return rows;
 }
 
-#if defined(__x86_64__) && defined(__GNUC__)
+#ifdef ARAP_HAS_WIDE
 [[gnu::target("avx2,fma")]] std::size_t SquareWide(BlockView x, std::size_t rows,
                                                    std::size_t columns, std::size_t depth,
                                                    ProductScratch& scratch) {
@@ -307,7 +311,7 @@ std::size_t SquarePlain(BlockView x, std::size_t rows, std::size_t columns, std:
 }  // namespace
 
 ProductCode BestProductCode() {
-#if defined(__x86_64__) && defined(__GNUC__)
+#ifdef ARAP_HAS_WIDE
   if (__builtin_cpu_supports("fma")) {
     if (__builtin_cpu_supports("avx512f")) return ProductCode::kAvx512;
     if (__builtin_cpu_supports("avx2")) return ProductCode::kAvx2;
@@ -317,7 +321,7 @@ ProductCode BestProductCode() {
 }
 
 BlockProducts::BlockProducts(ProductCode code, std::size_t most_rows) : square_(SquarePlain) {
-#if defined(__x86_64__) && defined(__GNUC__)
+#ifdef ARAP_HAS_WIDE
   if (code == ProductCode::kAvx512) square_ = SquareWidest;
   if (code == ProductCode::kAvx2) square_ = SquareWide;
 #else
