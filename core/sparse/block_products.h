@@ -41,7 +41,6 @@ class BlockProducts {
   }
   // Number (r, c) of the last one is column(c)[r]; r ≥ c, and of an odd column the number above its diagonal.
   const double* column(std::size_t c) const { return scratch_.product.data() + c * stride_; }
-  std::size_t stride() const { return stride_; }
 
  private:
   // Returns the numbers from column to column.

@@ -48,16 +48,15 @@ double* PutInverse(const Scalar* block, std::size_t stride, std::size_t width, d
 }
 
 // On a cache line, and not set to 0: memory that is not written yet is not there yet. What many pages would hold is
-// asked for in large ones: reading it in order stops at the end of each. A factor is read in every frame, so that
-// larger ones are worth what large pages take.
+// asked for in large ones: reading it in order stops at the end of each.
 double* AllocateNumbers(std::size_t count) {
-  constexpr std::size_t kLine = 64, kLargePage = std::size_t{2} << 20u, kMost = 32 * kLargePage;
+  constexpr std::size_t kLine = 64, kLargePage = std::size_t{2} << 20u;
   const std::size_t bytes = count * sizeof(double);
   const std::size_t page = bytes < 2 * kLargePage ? kLine : kLargePage;
   const std::size_t size = (bytes + page - 1) / page * page;
   void* memory = std::aligned_alloc(page, std::max(size, kLine));
   if (memory == nullptr) throw std::bad_alloc();
-  if (page == kLargePage) PreferLargePages(memory, size, kMost);
+  if (page == kLargePage) PreferLargePages(memory, size);
   return static_cast<double*>(memory);
 }
 

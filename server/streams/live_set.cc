@@ -69,7 +69,9 @@ bool IsHelped(const CompiledHandles& handles, const DeformOptions& options) {
 }
 Crew* CrewFor(const CompiledHandles& handles, const DeformOptions& options,
               runtime::Helpers& helpers) {
-  return IsHelped(handles, options) ? helpers.crew() : nullptr;
+  // Most frames run where there are no helpers: they need no estimate.
+  Crew* const crew = helpers.crew();
+  return crew != nullptr && IsHelped(handles, options) ? crew : nullptr;
 }
 
 }  // namespace
