@@ -53,6 +53,10 @@ GOOD = shape()
     (shape(packed_positions=b"\0" * 24), "another precision", {}),
     (shape(energy=NAN), "not finite", {}),
     (shape(unmeasured=True), "without the measures", {}),
+    (shape(unmeasured=True), "without the measures", {"measure_every": 7}),
+    (shape(unmeasured=True, energy=1), "says it has not measured", {"measure_every": 0}),
+    (shape(unmeasured=True, flipped_ids=[0]), "says it has not measured",
+     {"measure_every": 0, "flipped_ids": True}),
     (shape(worst_handle_id="a b"), "no id", {}),
     (shape(flipped_ids=[0]), "not asked", {}),
     (shape(flipped_ids=[1]), "only 1", {"flipped_ids": True}),
@@ -197,6 +201,25 @@ def test_tracks(tmp_path):
         with serving(tmp_path, DeformTrack=track(*sequences)) as address:
             with arapd.connect(address) as client, pytest.raises(ArapError, match=says):
                 list(client.attach_session("s").deform_track("h", ["a"], np.zeros((2, 1, 2))))
+
+
+def test_tracks_are_measured_as_often_as_was_asked(tmp_path):
+    def track(*unmeasured):
+        return lambda *_: [message("DeformTrackResponse")(shape=shape(sequence=i, unmeasured=one))
+                           for i, one in enumerate(unmeasured)]
+
+    def told(unmeasured, every):
+        with serving(tmp_path, DeformTrack=track(*unmeasured)) as address:
+            with arapd.connect(address) as client:
+                return [frame.measured for frame in client.attach_session("s").deform_track(
+                    "h", ["a"], np.zeros((len(unmeasured), 1, 2)),
+                    options=ShapeOptions(measure_every=every))]
+
+    assert told((False, True, False, True), 2) == [True, False, True, False]
+    assert told((True, True), 0) == [False, False]
+    for unmeasured in ((True, False), (False, True, True)):
+        with pytest.raises(ArapError, match="without the measures"):
+            told(unmeasured, 2)
 
 
 def test_bytes_that_are_no_message(tmp_path):

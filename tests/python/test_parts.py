@@ -4,15 +4,16 @@ of life, what waits to be sent, what is counted."""
 import pytest
 
 from arapd import ArapError, Handle, Target, _replay, _wire
-from arapd._awaited import AwaitedAnswers, SignsOfLife
+from arapd._awaited import Asked, AwaitedAnswers, SignsOfLife
 from arapd._replay import ReplayLog, edit, update
 from arapd._stream_parts import Counts, Outbox
 
 Request = _wire.message("StreamDeformRequest")
 
 
-def moved(sequence, picks=b"", **targets):
-    return update(sequence, {handle: Target(*place) for handle, place in targets.items()}, b"", picks)
+def moved(sequence, picks=b"", measure=False, **targets):
+    places = {handle: Target(*place) for handle, place in targets.items()}
+    return update(sequence, places, b"", picks, measure)
 
 
 def placed(sequence, *values):
@@ -89,12 +90,12 @@ def test_answers_belong_to_what_was_asked():
     for sequence in (1, 2, 4):
         awaited.sent(moved(sequence, picks=b"\0" * 16 * sequence), 10.0 + sequence)
     assert awaited.oldest == 11.0
-    assert awaited.take(2) == 2  # and 1 has been replaced
+    assert awaited.take(2) == Asked(2, False)  # and 1 has been replaced
     with pytest.raises(ArapError, match="sequence 3"):
         awaited.take(3)
     with pytest.raises(ArapError, match="sequence 1"):
         awaited.take(1)
-    assert awaited.take(4) == 4
+    assert awaited.take(4) == Asked(4, False)
     every = AwaitedAnswers(every=True)
     every.sent(moved(1), 0)
     every.sent(moved(2), 0)
@@ -108,8 +109,25 @@ def test_old_questions_are_known_as_a_range():
         awaited.sent(moved(sequence), sequence)
     assert len(awaited._awaited) <= AwaitedAnswers.MOST_APART
     assert awaited.oldest == 0
-    assert awaited.take(17) is None and awaited.take(18) is None
-    assert awaited.take(9_999) == 0
+    assert awaited.take(17).picks is None and awaited.take(18).picks is None
+    assert awaited.take(9_999) == Asked(0, False)
+
+
+def test_what_answers_in_the_place_of_one_that_is_to_be_measured_is_measured():
+    awaited = AwaitedAnswers(every=False)
+    for said in (moved(1, measure=True), moved(2), moved(3), edit(4, [], []), moved(5)):
+        awaited.sent(said, 0)
+    assert [awaited.take(i).measured for i in (2, 3, 4, 5)] == [True, False, True, False]
+
+    newest = _replay.MOST_PENDING + 1  # so many that they become few
+    log = log_of(*(moved(i, measure=i == 3, a=(i, 0)) for i in range(1, newest + 1)))
+    messages = [Request.FromString(said.data).update for said in log.messages()]
+    assert len(messages) == 2 and messages[-1].sequence == newest
+    assert [update.measure for update in messages] == [False, True]
+    assert log.messages()[-1].measure
+    # Once it is answered it need not be measured again.
+    log.answered(newest, True)
+    assert not any(said.measure for said in log.messages())
 
 
 def test_signs_of_life_are_asked_for_after_silence():
@@ -154,6 +172,9 @@ def test_an_update_takes_the_place_of_what_it_covers():
     assert sequences == [2, 3, 4, 5, 7], "1 is covered by 2, 6 by 7; 3 leaves the a of 2"
     asked = moved(8, picks=b"\0" * 16, a=(0, 0))
     assert not moved(9, a=(1, 1)).covers(asked), "its picks want an answer"
+    measured = moved(8, measure=True, a=(0, 0))
+    assert not moved(9, a=(1, 1)).covers(measured), "its shape is to be measured"
+    assert moved(9, measure=True, a=(1, 1)).covers(measured)
 
 
 def test_what_newer_ones_replaced_is_counted():

@@ -66,6 +66,35 @@ def test_a_bad_update_is_told_and_the_stream_goes_on(puppet):
         assert stream.counts.refused == 2
 
 
+def test_shapes_are_measured_as_often_as_was_asked(puppet):
+    options = arapd.ShapeOptions(measure_every=3)
+    with puppet.open_stream("h", arapd.StreamOptions(shape=options)) as stream:
+        marks = []
+        for number in range(7):
+            stream.send({"r": (8, number / 4)})
+            marks.append(stream.read().measured)
+        assert marks == [True, False, False, True, False, False, True]
+        stream.edit(add=[Handle("t", vertex=80)])
+        assert stream.read().measured
+        stream.send({"r": (9, 1)})
+        left = stream.read()
+        assert not left.measured
+        assert (left.flipped_count, left.energy, left.mean_stretch, left.max_stretch) == (0, 0, 0, 0)
+        assert left.worst_handle_id and left.worst_handle_error >= 0
+        stream.send(measure=True)  # the hand rests
+        rests = stream.read()
+        assert rests.measured and rests.energy > 0 and rests.max_stretch > 1
+        np.testing.assert_array_equal(rests.positions, left.positions)
+    never = arapd.ShapeOptions(measure_every=0, float64=True)
+    whole = puppet.deform("h", {"l": (0, 0), "r": (9, 1)}, arapd.ShapeOptions(float64=True))
+    shape = puppet.deform("h", {"l": (0, 0), "r": (9, 1)}, never)
+    assert whole.measured and not shape.measured
+    np.testing.assert_array_equal(shape.positions, whole.positions)
+    frames = puppet.deform_track("h", ["l", "r"], [[(0, 0), (8, y)] for y in range(5)],
+                                 options=arapd.ShapeOptions(measure_every=2))
+    assert [frame.measured for frame in frames] == [True, False, True, False, True]
+
+
 def test_the_newest_update_wins_and_the_others_are_counted(puppet):
     with puppet.open_stream("h") as stream:
         for number in range(500):

@@ -12,12 +12,20 @@ from ._replay import Said
 from .faults import refuse
 
 
+@dataclasses.dataclass(frozen=True, slots=True)
+class Asked:
+    """What was asked of an answer."""
+
+    picks: int | None  # how many, when that is known
+    measured: bool  # for an edit or an update that asks for it, or in the place of such a one
+
+
 @dataclasses.dataclass(slots=True)
 class _Awaited:
     first: int
     last: int  # the same for a single one
     count: int
-    picks: int | None
+    asked: Asked
     since: float
 
 
@@ -33,7 +41,8 @@ class AwaitedAnswers:
         self._awaited: deque[_Awaited] = deque()
 
     def sent(self, said: Said, now: float) -> None:
-        self._awaited.append(_Awaited(said.sequence, said.sequence, 1, said.picks, now))
+        asked = Asked(said.picks, said.is_edit or said.measure)
+        self._awaited.append(_Awaited(said.sequence, said.sequence, 1, asked, now))
         if not self._every and len(self._awaited) > self.MOST_APART:
             self._shorten()
 
@@ -46,18 +55,20 @@ class AwaitedAnswers:
     def _shorten(self) -> None:
         half = [self._awaited.popleft() for _ in range(len(self._awaited) // 2)]
         self._awaited.appendleft(_Awaited(
-            min(a.first for a in half), max(a.last for a in half), sum(a.count for a in half), None,
-            half[0].since))
+            min(a.first for a in half), max(a.last for a in half), sum(a.count for a in half),
+            Asked(None, False), half[0].since))
 
-    def take(self, sequence: int) -> int | None:
-        """The answer to this sequence came: for how many picks were asked, or None when that is not
-        known any more. ArapError INTERNAL when none of that sequence is due."""
+    def take(self, sequence: int) -> Asked:
+        """The answer to this sequence came: what was asked of it. ArapError INTERNAL when none of that
+        sequence is due."""
+        measured = False
         for place, awaited in enumerate(self._awaited):
+            measured = measured or awaited.asked.measured
             if awaited.first <= sequence <= awaited.last:
                 single = awaited.first == awaited.last  # more of a range may be answered yet
                 for _ in range(place + single):
                     self._awaited.popleft()
-                return awaited.picks
+                return Asked(awaited.asked.picks, measured)
             if self._every:
                 break
         return refuse(f"the sequence {sequence}, for which it was not asked.")

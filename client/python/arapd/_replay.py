@@ -26,10 +26,11 @@ class Said:
     targets: Mapping[str, Target] = dataclasses.field(default_factory=dict)
     positions: bytes = b""
     picks: int = 0  # how many points
+    measure: bool = False  # the shape, in any case
 
     def covers(self, older: Said) -> bool:
         """Whether nothing of an older update is of use any more."""
-        if self.is_edit or older.is_edit or older.picks:
+        if self.is_edit or older.is_edit or older.picks or (older.measure and not self.measure):
             return False
         if older.positions:
             return bool(self.positions)
@@ -37,15 +38,23 @@ class Said:
 
 
 def update(sequence: int, targets: Mapping[str, Target], positions: bytes = b"",
-           pick_points: bytes = b"") -> Said:
+           pick_points: bytes = b"", measure: bool = False) -> Said:
     request = _Request()
     out = request.update
     out.sequence = sequence
     out.targets.extend(_requests.target_message(*item) for item in targets.items())
     out.positions = positions
     out.pick_points = pick_points
+    out.measure = measure
     return Said(sequence, request.SerializeToString(), False, targets, positions,
-                len(pick_points) // 16)
+                len(pick_points) // 16, measure)
+
+
+def _measured(said: Said) -> Said:
+    """The same update, which asks to be measured."""
+    request = _Request.FromString(said.data)
+    request.update.measure = True
+    return dataclasses.replace(said, data=request.SerializeToString(), measure=True)
 
 
 def edit(sequence: int, remove: Sequence[str], add: Sequence[Handle]) -> Said:
@@ -118,17 +127,20 @@ class ReplayLog:
 
     def _fold(self) -> None:
         # The last update before an edit, and the newest of all, are answered in any case: they stay
-        # as they were sent.
+        # as they were sent. What answers in the place of one that asks to be measured is measured.
         folded: list[Said] = []
         pose = _Pose()
+        measure = False
         entries = list(self._pending)
         for said, following in zip(entries, [*entries[1:], None]):
             if said.is_edit or following is None or following.is_edit:
                 pose.say(folded)
                 pose = _Pose()
-                folded.append(said)
+                folded.append(_measured(said) if measure and not said.is_edit else said)
+                measure = False
             else:
                 pose.add(said)
+                measure = measure or said.measure
         self._pending = deque(folded)
 
     def answered(self, sequence: int, good: bool) -> bool:

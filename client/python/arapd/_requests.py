@@ -131,6 +131,7 @@ def set_shape_options(out: Any, options: ShapeOptions) -> None:
     out.refine = options.refine
     out.float64 = options.float64
     out.include_flipped_ids = options.flipped_ids
+    out.measure_every = options.measure_every
     out.relative_to_origin = options.relative_to_origin
     out.encoding = choice("PositionEncoding", "POSITION_ENCODING", options.encoding, "encoding")
     out.boundary_only = options.boundary_only

@@ -26,10 +26,12 @@ class Question:
         self.size = size
         self.vertices: NDArray[Any] | None = None  # the positions are of these; None: of all
         self._count = size and size.vertices  # of positions
+        self._unmeasured = 0  # shapes since the last that was measured
 
     def told(self, vertices: Sequence[int]) -> None:
-        """The server said of which vertices the positions are."""
+        """The server said of which vertices the positions are. The first shape comes next."""
         options = self.options
+        self._unmeasured = max(options.measure_every - 1, 0)
         limit = self.size and self.size.vertices
         if options.vertex_subset is not None and len(options.vertex_subset):
             if not np.array_equal(vertices, options.vertex_subset):
@@ -44,6 +46,13 @@ class Question:
             if options.boundary_only and not (np.diff(self.vertices.astype(np.int64)) > 0).all():
                 refuse("vertices of the boundary out of order.")
             self._count = len(vertices)
+
+    def is_due(self) -> bool:
+        """Whether the next shape has to be measured whatever else was asked."""
+        return 0 < self.options.measure_every <= self._unmeasured + 1
+
+    def answered(self, unmeasured: bool) -> None:
+        self._unmeasured = self._unmeasured + 1 if unmeasured else 0
 
     def check_count(self, count: int) -> None:
         if not count:
@@ -118,25 +127,37 @@ def _flipped(message: Any, question: Question) -> NDArray[Any]:
     return flipped
 
 
-def shape(message: Any, question: Question, picks: int | None,
-          replaced: int | None = None) -> model.Shape:
+def _check_measures(message: Any, question: Question, asked: bool) -> None:
+    check.finite((message.worst_handle_error, message.energy, message.mean_stretch,
+                  message.max_stretch), "the quality of a shape")
+    due = asked or question.is_due()
+    question.answered(message.unmeasured)
+    if not message.unmeasured:
+        return
+    if due:
+        refuse("a shape without the measures that were asked for.")
+    if (message.flipped_count or message.flipped_ids or message.energy or message.mean_stretch
+            or message.max_stretch):
+        refuse("measures of a shape that it says it has not measured.")
+
+
+def shape(message: Any, question: Question, picks: int | None, replaced: int | None = None,
+          measured: bool = False) -> model.Shape:
     """`picks`: how many were asked for; None when that is not known any more. `replaced`: as it is
-    counted on this side, which knows it better."""
+    counted on this side, which knows it better. `measured`: whether it has to be, also where the
+    options ask for no measures."""
     positions, local, origin = _positions(message, question.options)
     scale = message.scale if question.options.encoding == "int16_le" else 1.0
     question.check_count(len(positions))
-    check.finite((message.worst_handle_error, message.energy, message.mean_stretch,
-                  message.max_stretch), "the quality of a shape")
-    if message.unmeasured:
-        refuse("a shape without the measures that were asked for.")
+    _check_measures(message, question, measured)
     if message.worst_handle_id:
         check.name(message.worst_handle_id, None, "handle")
     count = len(message.picks)
     check.count(count, min(count, check.MOST_PICKS) if picks is None else picks, "picks")
     return model.Shape(
         positions, local, origin, scale, question.vertices, message.sequence,
-        message.replaced if replaced is None else replaced, message.flipped_count,
-        _flipped(message, question), message.worst_handle_error, message.worst_handle_id,
-        message.energy, message.mean_stretch, message.max_stretch,
+        message.replaced if replaced is None else replaced, not message.unmeasured,
+        message.flipped_count, _flipped(message, question), message.worst_handle_error,
+        message.worst_handle_id, message.energy, message.mean_stretch, message.max_stretch,
         tuple(_pick(pick, question.size) for pick in message.picks) if count else (),
         message.handle_set_revision, message.queue_micros, message.solve_micros)

@@ -126,12 +126,13 @@ class StreamCore(StreamState):
         raise faults.bad_answer("The server sent a message that does not belong here.")
 
     def _shape_of(self, message: Any) -> model.Shape | None:
-        picks = self._awaited.take(message.sequence)
-        if self._known(message.sequence, True):
-            return None
+        asked = self._awaited.take(message.sequence)
         assert self._question is not None
-        return _shapes.shape(message, self._question, picks,
-                             self.counts.note_answer(message.sequence, True))
+        if self._known(message.sequence, True):
+            self._question.answered(message.unmeasured)
+            return None
+        return _shapes.shape(message, self._question, asked.picks,
+                             self.counts.note_answer(message.sequence, True), asked.measured)
 
     # Opening, the first time and after a loss.
 

@@ -206,9 +206,11 @@ class Stream:
         return self._core.counts
 
     def send(self, targets: model.Targets | None = None, *, positions: Any = None,
-             picks: Any = None, sequence: int | None = None) -> int:
+             picks: Any = None, sequence: int | None = None, measure: bool = False) -> int:
         """Moves handles: `targets` of some of them, the others stay where they are; or `positions` of
         all, n×2 in the order of the set. `picks`: n×2 deformed points to find at rest, at most 1024.
+        `measure`: measure the shape whatever measure_every says, or the one that answers a newer update
+        in its place; where a hand rests, an update of this alone asks for the quality of what stays.
         Answers the sequence, which answers repeat: the one given, which has to grow, or the next.
 
         Waits until no more than this update has to be taken by the transport, an "every" stream until
@@ -216,7 +218,7 @@ class Stream:
         wanted, points = _requests.targets_of(targets or {}), positions_of(positions)
         found = picks_of(picks)
         return self._driver.run(self._core.send(
-            lambda number: _replay.update(number, wanted, points, found), sequence))
+            lambda number: _replay.update(number, wanted, points, found, measure), sequence))
 
     def edit(self, remove: Sequence[str] = (), add: Sequence[model.Handle] = (), *,
              sequence: int | None = None) -> int:

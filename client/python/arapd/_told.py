@@ -49,6 +49,9 @@ class Shape:
     vertices: Indices | None  # which ones, with boundary_only and vertex_subset; None: all
     sequence: int  # of the update that it answers; in a track the number of the frame
     replaced: int  # updates that newer ones replaced since the answer before
+    # Else flipped_count, flipped_ids, energy, mean_stretch and max_stretch say nothing: see
+    # ShapeOptions.measure_every.
+    measured: bool
     flipped_count: int
     flipped_ids: Indices  # when asked
     worst_handle_error: float

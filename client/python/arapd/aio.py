@@ -164,12 +164,13 @@ class Stream:
         return self._core.counts
 
     async def send(self, targets: model.Targets | None = None, *, positions: Any = None,
-                   picks: Any = None, sequence: int | None = None) -> int:
+                   picks: Any = None, sequence: int | None = None, measure: bool = False) -> int:
         """As arapd.Stream.send."""
         wanted, points = _requests.targets_of(targets or {}), positions_of(positions)
         found = picks_of(picks)
         return await drive(self._core.send(
-            lambda number: _replay.update(number, wanted, points, found), sequence), self._do)
+            lambda number: _replay.update(number, wanted, points, found, measure), sequence),
+            self._do)
 
     async def edit(self, remove: Sequence[str] = (), add: Sequence[model.Handle] = (), *,
                    sequence: int | None = None) -> int:
