@@ -65,11 +65,13 @@ function optionsOf({
   mode,
   refine,
   flippedIds,
+  measureEvery,
   boundaryOnly,
   vertexSubset,
   encoding,
   float64,
 }: File) {
-  const all = { mode, refine, flippedIds, boundaryOnly, vertexSubset, encoding, float64 };
+  const shape = { mode, refine, flippedIds, measureEvery, boundaryOnly, vertexSubset };
+  const all = { ...shape, encoding, float64 };
   return Object.fromEntries(Object.entries(all).filter(([, value]) => value !== undefined));
 }

@@ -48,18 +48,16 @@ const timed = (
 };
 /** A shape as JSON. */
 export function answerOf(shape: Shape): object {
-  const { positions, vertices, flippedCount, flippedIds, worstHandleError, worstHandleId } = shape;
-  const { energy, meanStretch, maxStretch, picks, handleSetRevision } = shape;
+  const { positions, vertices, measured, flippedCount, flippedIds } = shape;
+  const { energy, meanStretch, maxStretch } = shape;
+  const { worstHandleError, worstHandleId, picks, handleSetRevision } = shape;
   return {
     positions,
     vertices,
-    flippedCount,
-    flippedIds,
+    measured,
+    ...(measured && { flippedCount, flippedIds, energy, meanStretch, maxStretch }),
     worstHandleError,
     worstHandleId,
-    energy,
-    meanStretch,
-    maxStretch,
     picks,
     handleSetRevision,
   };

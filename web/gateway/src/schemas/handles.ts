@@ -77,7 +77,10 @@ const mode = optional(oneOf(["rigid", "similarity", "baseline"]));
 const shapeOptions = {
   mode,
   refine: optional(index("Iterations of the second step.")),
-  flippedIds: flag("Also answer which triangles are flipped."),
+  flippedIds: flag("Also answer which triangles are flipped, of shapes that are measured."),
+  measureEvery: optional(
+    index("Which shapes are measured: the first, and every n-th after one that was; 0: none."),
+  ),
   boundaryOnly: flag("Positions of the vertices on the boundary alone."),
   vertexSubset: optional(indices("Positions of these vertices alone, in this order.")),
 };
@@ -100,13 +103,16 @@ const Pick = Type.Union([
 export const ShapeAnswer = Type.Object({
   positions: numbers("x y x y…, in units of the mesh."),
   vertices: Type.Union([indices("Which ones the positions are of."), Type.Null()]),
-  flippedCount: Type.Integer(),
-  flippedIds: indices("When asked."),
+  measured: Type.Boolean({
+    description: "Else flippedCount, flippedIds, energy, meanStretch and maxStretch are left out.",
+  }),
+  flippedCount: optional(Type.Integer()),
+  flippedIds: optional(indices("When asked.")),
   worstHandleError: Type.Number(),
   worstHandleId: Type.String(),
-  energy: Type.Number(),
-  meanStretch: Type.Number(),
-  maxStretch: Type.Number(),
+  energy: optional(Type.Number()),
+  meanStretch: optional(Type.Number()),
+  maxStretch: optional(Type.Number()),
   picks: Type.Array(Pick),
   handleSetRevision: Type.Integer(),
 });
@@ -177,6 +183,7 @@ export const messages = {
     targets: optional(Type.Array(Target)),
     positions: optional(numbers("All handles in the order of the set.")),
     pickPoints: optional(numbers("Deformed points x y x y….")),
+    measure: flag("Measure the shape whatever measureEvery says, or a newer one in its place."),
   }),
   edit: closed({ type: type("edit"), sequence, ...EditBody.properties }),
   ping: closed({

@@ -15,6 +15,14 @@ function bytesOf(local: Shape["local"]): Buffer {
   return local.BYTES_PER_ELEMENT === 2 ? Buffer.from(bytes).swap16() : Buffer.from(bytes).swap32();
 }
 
+const measuresOf = (shape: Shape): object => ({
+  flippedCount: shape.flippedCount,
+  ...(shape.flippedIds.length > 0 && { flippedIds: shape.flippedIds }),
+  energy: shape.energy,
+  meanStretch: shape.meanStretch,
+  maxStretch: shape.maxStretch,
+});
+
 /** Since the last frame `skipped` shapes were not sent, and `replaced` updates not computed. */
 export function frameOf(shape: Shape, skipped: number, replaced: number): Buffer {
   const facts = toJson({
@@ -23,13 +31,10 @@ export function frameOf(shape: Shape, skipped: number, replaced: number): Buffer
     positionError: shape.positionError,
     replaced,
     skipped,
-    flippedCount: shape.flippedCount,
-    ...(shape.flippedIds.length > 0 && { flippedIds: shape.flippedIds }),
+    measured: shape.measured,
+    ...(shape.measured && measuresOf(shape)),
     worstHandleError: shape.worstHandleError,
     worstHandleId: shape.worstHandleId,
-    energy: shape.energy,
-    meanStretch: shape.meanStretch,
-    maxStretch: shape.maxStretch,
     queueMicros: shape.queueMicros,
     solveMicros: shape.solveMicros,
     ...(shape.picks.length > 0 && { picks: shape.picks }),

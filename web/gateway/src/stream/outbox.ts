@@ -1,4 +1,6 @@
-// Outbox: what goes out on a socket. Of shapes at most one waits, the newest; texts go at once.
+// Outbox: what goes out on a socket. Of shapes the newest waits, and before it the newest that was
+// measured, if that is an older one: a page would else wait in vain for the measures that it has
+// asked for. Texts go at once.
 import type { WebSocket } from "ws";
 
 import type { Shape } from "@arapd/client";
@@ -14,6 +16,13 @@ export interface OutboxEvents {
   skipped(): void;
 }
 
+interface Waiting {
+  shape: Shape;
+  /** Shapes in whose place it is, and the updates that they and it had replaced. */
+  skipped: number;
+  replaced: number;
+}
+
 export class Outbox {
   readonly #socket: WebSocket;
   readonly #events: OutboxEvents;
@@ -22,10 +31,7 @@ export class Outbox {
   #keepsAll = false;
   #writing = false; // the network has not taken the last shape
   #unseen: number[] = []; // sequences
-  #waiting: Shape | undefined;
-  // Since the last one that was sent: shapes that were not, and what those had replaced.
-  #skipped = 0;
-  #replaced = 0;
+  #waiting: Waiting[] = [];
   #textBytes = 0;
   #idle: (() => void)[] = [];
 
@@ -52,15 +58,23 @@ export class Outbox {
     this.#socket.send(text, () => (this.#textBytes -= bytes));
   }
 
-  /** A shape takes the place of the one that waits. */
+  /** A shape takes the place of those that wait, but of a measured one only if it is measured too. */
   offer(shape: Shape): void {
-    if (this.#waiting && !this.#keepsAll) {
-      this.#skipped++;
-      this.#replaced += this.#waiting.replaced;
+    const offered = { shape, skipped: 0, replaced: shape.replaced };
+    let last = this.#waiting.at(-1);
+    while (last && this.#yields(last.shape, shape)) {
+      offered.skipped += last.skipped + 1;
+      offered.replaced += last.replaced;
       this.#events.skipped();
+      this.#waiting.pop();
+      last = this.#waiting.at(-1);
     }
-    this.#waiting = shape;
+    this.#waiting.push(offered);
     this.#flush();
+  }
+
+  #yields(older: Shape, newer: Shape): boolean {
+    return !this.#keepsAll && (newer.measured || !older.measured);
   }
 
   /** The page has all shapes up to this one. */
@@ -71,7 +85,7 @@ export class Outbox {
 
   /** Waits until no shape waits, or the socket is gone. */
   async room(): Promise<void> {
-    while (this.#waiting && this.#socket.readyState === this.#socket.OPEN) {
+    while (this.#waiting.length > 0 && this.#socket.readyState === this.#socket.OPEN) {
       await new Promise<void>((resolve) => this.#idle.push(resolve));
     }
   }
@@ -84,7 +98,7 @@ export class Outbox {
 
   /** The socket is gone. */
   drop(): void {
-    this.#waiting = undefined;
+    this.#waiting = [];
     this.#wake();
   }
 
@@ -93,20 +107,18 @@ export class Outbox {
   }
 
   #flush(): void {
-    const shape = this.#waiting;
     const full = this.#window > 0 && this.#unseen.length >= this.#window;
-    if (!shape || this.#writing || full || this.#socket.readyState !== this.#socket.OPEN) return;
-    this.#waiting = undefined;
-    const frame = frameOf(shape, this.#skipped, shape.replaced + this.#replaced);
-    this.#skipped = 0;
-    this.#replaced = 0;
-    if (this.#window > 0) this.#unseen.push(shape.sequence);
+    if (this.#writing || full || this.#socket.readyState !== this.#socket.OPEN) return;
+    const next = this.#waiting.shift();
+    if (!next) return;
+    const frame = frameOf(next.shape, next.skipped, next.replaced);
+    if (this.#window > 0) this.#unseen.push(next.shape.sequence);
     this.#writing = true;
     this.#events.sent();
     this.#socket.send(frame, () => {
       this.#writing = false;
       this.#flush();
-      if (!this.#waiting) this.#wake();
+      if (this.#waiting.length === 0) this.#wake();
     });
   }
 }
