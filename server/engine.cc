@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string_view>
+#include <thread>
 #include <utility>
 
 #include "core/base/try.h"
@@ -20,6 +21,13 @@ constexpr seconds kCollectEvery{60};
 // What has a place of its own in the lane: such work waits at most for one of its kind.
 constexpr double kShortFrameSeconds = 0.005;
 constexpr double kShortJobSeconds = 0.05;
+// What the thread that has read an update may compute itself, and how many threads of gRPC's at once: it
+// has half as many as processors, 2 to 16 (CallbackAlternativeCQ in its 1.51), and at most half of
+// those compute, so that messages of others are read meanwhile.
+constexpr double kVisitSeconds = 400e-6;
+std::size_t Visitors() {
+  return std::clamp<std::size_t>(std::thread::hardware_concurrency() / 4, 1, 8);
+}
 // Long jobs that may stand aside at once, with all the memory that they have asked for.
 constexpr std::size_t kJobsAside = 8;
 
@@ -104,7 +112,9 @@ Engine::Engine(const Limits& the_limits, const Lanes& the_lanes, const runtime::
                    .threads = lanes.workers,
                    .queue = limits.max_queued_jobs,
                    .metrics = &metrics,
-                   .short_seconds = kShortFrameSeconds}),
+                   .short_seconds = kShortFrameSeconds,
+                   .visitors = Visitors(),
+                   .visit_seconds = kVisitSeconds}),
       control({.name = "control",
                .threads = lanes.control_workers,
                .queue = limits.max_queued_jobs,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "arap/core/registered_mesh.h"
 #include "core/base/names.h"
 #include "core/base/try.h"
+#include "proto/convert/status.h"
 #include "server/flattening/flatten_jobs.h"
 #include "server/sessions/handle_sets.h"
 #include "server/sessions/meshes.h"
@@ -108,6 +110,32 @@ std::vector<app::NamedTarget> FromWire(
     out.push_back({target.handle_id(), convert::TargetFromWire(target)});
   }
   return out;
+}
+
+Result<bool> LatestOnly(v1::Delivery delivery) {
+  if (v1::Delivery_IsValid(delivery)) return delivery != v1::DELIVERY_EVERY;
+  return Fail(
+      Fault(FaultKind::kInvalidOption, "open.delivery has a value that this version does not know.")
+          .Field("open.delivery")
+          .Detail("value", static_cast<int>(delivery)));
+}
+
+void Complete(const app::StreamAnswer& answer, v1::StreamDeformResponse& message) {
+  switch (answer.kind) {
+    case app::StreamAnswer::Kind::kOpened:
+      break;
+    case app::StreamAnswer::Kind::kShape:
+      message.mutable_shape()->set_sequence(answer.sequence);
+      message.mutable_shape()->set_replaced(answer.replaced);
+      break;
+    case app::StreamAnswer::Kind::kError:
+      message.mutable_error()->set_sequence(answer.sequence);
+      *message.mutable_error()->mutable_status() = convert::ToRpcStatus(*answer.fault);
+      break;
+    case app::StreamAnswer::Kind::kPong:
+      message.mutable_pong()->set_nonce(answer.nonce);
+      break;
+  }
 }
 
 Result<std::vector<Target>> FromWire(const v1::DeformTrackRequest& request, std::size_t frame,

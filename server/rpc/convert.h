@@ -32,12 +32,14 @@ class HandleSetInfo;
 class Job;
 class Session;
 class StreamDeformRequest;
+class StreamDeformResponse;
 }  // namespace arap::v1
 namespace arap::app {
 struct HandleSetEntry;
 class LiveSet;
 struct JobView;
 struct MeshEntry;
+struct StreamAnswer;
 struct StreamMessage;
 }  // namespace arap::app
 
@@ -70,6 +72,13 @@ void ToWire(const app::HandleSetEntry& entry, v1::HandleSetInfo* out);
 // Targets; the ids point into `targets`.
 std::vector<app::NamedTarget> FromWire(
     const google::protobuf::RepeatedPtrField<v1::HandleTarget>& targets);
+
+// Whether a stream that was opened with it is answered for the latest update only. kInvalidOption for a value that this
+// version does not know.
+Result<bool> LatestOnly(v1::Delivery delivery);
+
+// Adds to the message of an answer what its policy knows of it.
+void Complete(const app::StreamAnswer& answer, v1::StreamDeformResponse& message);
 
 // The targets of a frame of a track in the order of the set; `order` is the set index of each
 // column. kArrayLength and the faults of CheckTarget, with fields under "frames[frame]".

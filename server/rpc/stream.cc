@@ -20,9 +20,8 @@
 #include "server/rpc/convert.h"
 #include "server/rpc/long_calls.h"
 #include "server/rpc/rpc_log.h"
+#include "server/rpc/stream_work.h"
 #include "server/runtime/clock.h"
-#include "server/sessions/handle_sets.h"
-#include "server/streams/live_set.h"
 #include "server/streams/stream_policy.h"
 
 namespace arap::rpc {
@@ -34,7 +33,8 @@ struct Answer final : app::WireAnswer {
 
 // Reactions, jobs, End and Sweep may run in parallel. Each tells the policy what has happened and
 // pumps: does what the policy says next. Jobs and drains hold a shared pointer, so that nothing is
-// deleted under them.
+// deleted under them. A small frame is computed in the reaction that has made it due, when its lane
+// gives leave (WorkerPool::TryVisit): gRPC does not call OnDone before a reaction has returned.
 class StreamReactor final
     : public grpc::ServerBidiReactor<v1::StreamDeformRequest, v1::StreamDeformResponse>,
       public app::LongCall,
@@ -52,7 +52,8 @@ class StreamReactor final
                    return engine_.admission.WakeUp(this, caller_.owner, share, Now());
                  },
                  [this](double share) { engine_.admission.StaysAwake(this, share, Now()); }}),
-        log_("StreamDeform", "", false, &engine.metrics) {
+        log_("StreamDeform", "", false, &engine.metrics),
+        work_(engine, caller_) {
     log_.NamedLasting(*context);
     log_.Owner(caller_.owner);
   }
@@ -76,15 +77,28 @@ class StreamReactor final
   }
 
   void OnReadDone(bool ok) override {
-    const MutexLock lock(&mutex_);
-    ok ? Read() : policy_.HalfClosed();
-    Pump();
+    Visit visit;
+    {
+      const MutexLock lock(&mutex_);
+      ok ? Read() : policy_.HalfClosed();
+      Pump(&visit);
+    }
+    if (visit) RunUpdate();
   }
 
   void OnWriteDone(bool ok) override {
-    const MutexLock lock(&mutex_);
-    policy_.Written(ok);
-    Pump();
+    Visit visit;
+    {
+      const MutexLock lock(&mutex_);
+      // The next frame is written into what this one has left.
+      if (outgoing_->message.has_shape()) {
+        outgoing_->message.mutable_shape()->Clear();
+        spare_ = std::move(outgoing_);
+      }
+      policy_.Written(ok);
+      Pump(&visit);
+    }
+    if (visit) RunUpdate();
   }
 
   void OnCancel() override {
@@ -116,10 +130,12 @@ class StreamReactor final
       log_.End(end_status_, fmt::format(" shapes={} replaced={} errors={}", counts.shapes,
                                         counts.replaced, counts.errors));
     }
-    if (session_) session_->RemoveEndListener(end_listener_);
+    if (const auto& session = work_.session()) session->RemoveEndListener(end_listener_);
   }
 
  private:
+  using Visit = runtime::WorkerPool::Visit;
+
   runtime::Clock::Steady Now() const { return engine_.clock.SteadyNow(); }
 
   // The memory of a message counts until the next one is read.
@@ -133,44 +149,41 @@ class StreamReactor final
     policy_.MessageRead(FromWire(incoming_, engine_.limits));
   }
 
-  void Pump() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+  // With `visit` the caller may become the one who computes the next frame: if it is set, it has to
+  // call RunUpdate without the lock.
+  void Pump(Visit* visit = nullptr) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     for (;;) {
       app::StreamStep step = policy_.Next();
       if (std::holds_alternative<app::StreamRead>(step)) {
-        StartRead(&incoming_);
+        read_due_ = true;
       } else if (auto* job = std::get_if<app::StreamJob>(&step)) {
-        StartJob(std::move(*job));
+        StartJob(std::move(*job), visit);
       } else if (auto* write = std::get_if<app::StreamWrite>(&step)) {
         Write(std::move(write->answer));
       } else if (auto* finish = std::get_if<app::StreamFinish>(&step)) {
         end_status_ = std::move(finish->status);
+        read_due_ = false;
         Finish(end_status_ ? grpc::Status::OK : convert::ToGrpcStatus(end_status_.error()));
       } else {
-        return;
+        break;
       }
     }
+    // Behind the rest: it takes gRPC some 10 µs, and nobody waits for it.
+    const bool computes = visit != nullptr && *visit;
+    if (!computes && std::exchange(read_due_, false)) StartRead(&incoming_);
   }
 
   void Write(app::StreamAnswer answer) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     using Kind = app::StreamAnswer::Kind;
     outgoing_.reset(static_cast<Answer*>(answer.message.release()));
     if (!outgoing_) outgoing_ = std::make_unique<Answer>();
-    v1::StreamDeformResponse& message = outgoing_->message;
-    if (answer.kind == Kind::kPong) message.mutable_pong()->set_nonce(answer.nonce);
-    if (answer.kind == Kind::kShape) {
-      message.mutable_shape()->set_sequence(answer.sequence);
-      message.mutable_shape()->set_replaced(answer.replaced);
-      engine_.metrics.Coalesced(answer.replaced);
-    }
-    if (answer.kind == Kind::kError) {
-      CountRefusal(*answer.fault, engine_.metrics);
-      message.mutable_error()->set_sequence(answer.sequence);
-      *message.mutable_error()->mutable_status() = convert::ToRpcStatus(*answer.fault);
-    }
-    StartWrite(&message);
+    Complete(answer, outgoing_->message);
+    if (answer.kind == Kind::kShape) engine_.metrics.Coalesced(answer.replaced);
+    if (answer.kind == Kind::kError) CountRefusal(*answer.fault, engine_.metrics);
+    StartWrite(&outgoing_->message);
   }
 
-  void StartJob(app::StreamJob job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+  void StartJob(app::StreamJob job, Visit* visit) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     using Work = app::StreamJob::Work;
     job_ = std::move(job);
     void (StreamReactor::*run)() = &StreamReactor::RunUpdate;
@@ -182,7 +195,19 @@ class StreamReactor final
       run = &StreamReactor::RunEdit;
       edit_ = std::move(*incoming_.mutable_edit());
     }
+    if (job_.work == Work::kUpdate) {
+      answer_ = std::move(spare_);
+      if (visit != nullptr && job_.lane == app::StreamJob::Lane::kFrames &&
+          (*visit = engine_.interactive.TryVisit(Turn()))) {
+        return;
+      }
+    }
     if (!Post(job_.lane, run)) policy_.NoRoom();
+  }
+
+  // Every stream has its own turn among those of its owner.
+  runtime::Share Turn() const {
+    return {caller_.owner, reinterpret_cast<std::uintptr_t>(this), job_.seconds};
   }
 
   bool Post(app::StreamJob::Lane lane, void (StreamReactor::*job)()) {
@@ -194,14 +219,12 @@ class StreamReactor final
     const bool goes_on = lane == Lane::kFrames ||
                          (lane == Lane::kJobs && job_.work == app::StreamJob::Work::kUpdate);
     auto run = [self = shared_from_this(), job] { (self.get()->*job)(); };
-    // Every stream has its own turn among those of its owner.
-    const runtime::Share share{caller_.owner, reinterpret_cast<std::uintptr_t>(this), job_.seconds};
-    if (!goes_on) return pool.TryPost(std::move(run), share);
+    if (!goes_on) return pool.TryPost(std::move(run), Turn());
     runtime::Company company;
     if (lane == Lane::kFrames && job_.work == app::StreamJob::Work::kUpdate) {
-      company = {SharedFactor(*live_->entry().handles), shared_from_this()};
+      company = {SharedFactor(work_.handles()), shared_from_this()};
     }
-    return pool.Continue(std::move(run), share, std::move(company));
+    return pool.Continue(std::move(run), Turn(), std::move(company));
   }
 
   // The bodies of the jobs, without mutex_.
@@ -209,68 +232,43 @@ class StreamReactor final
   // The store may be slow and what was evicted has to be computed again: neither on the lane of
   // frames.
   void RunFind() {
-    auto session =
-        OrOutOfMemory([&] { return engine_.sessions.Use(caller_.owner, open_.session_id()); });
-    if (session) {
-      session_ = *session;
-      const auto set = app::PeekHandleSet(engine_, *session_, open_.handle_set_id());
-      const bool cold = set.warmth == app::Warmth::kCold;
-      if (!cold) return RunOpen();
+    const auto found = OrOutOfMemory([&] { return work_.Find(open_); });
+    if (found) {
+      if (*found != app::Warmth::kCold) return RunOpen();
       job_.seconds = 1;  // long, and nothing more is known
       if (Post(app::StreamJob::Lane::kJobs, &StreamReactor::RunOpen)) return;
     }
     const MutexLock lock(&mutex_);
-    policy_.Failed(session ? app::Overloaded() : std::move(session.error()));
+    policy_.Failed(found ? app::Overloaded() : found.error());
     Pump();
   }
 
   void RunOpen() {
     auto answer = std::make_unique<Answer>();
-    app::LiveHandles set;
-    const Status opened = OrOutOfMemory([&]() -> Status {
-      CHECK_OK(Open());
-      v1::StreamOpened& message = *answer->message.mutable_opened();
-      ToWire(live_->entry(), message.mutable_handle_set());
-      Append(options_.vertices, message.mutable_vertices());
-      set = {live_->entry().handles, live_->entry().handles->RestTargets()};
-      return {};
+    const auto admit = [this](double seconds) {
+      const MutexLock lock(&mutex_);
+      return policy_.AdmitFrames(seconds);
+    };
+    auto set = OrOutOfMemory([&]() -> Result<app::LiveHandles> {
+      CHECK_OK(work_.Open(open_, CancelTokenOf(context_), admit, answer->message.mutable_opened()));
+      return work_.Handles(work_.handles().RestTargets());
     });
+    open_.clear_options();
+    if (set) {
+      end_listener_ = work_.session()->AddEndListener(
+          [weak = weak_from_this(), ended = app::NotFound("session", open_.session_id())] {
+            if (const auto self = weak.lock()) self->End(ended);
+          });
+    }
     const MutexLock lock(&mutex_);
-    if (opened) {
+    if (set) {
       policy_.Opened(
-          std::move(set), open_.delivery() != v1::DELIVERY_EVERY, options_.deform.measure_every,
-          [session = session_] { return session->Touch(); }, std::move(answer));
+          *std::move(set), work_.latest_only(), work_.options().deform.measure_every,
+          [session = work_.session()] { return session->Touch(); }, std::move(answer));
     } else {
-      policy_.Failed(opened.error());
+      policy_.Failed(set.error());
     }
     Pump();
-  }
-
-  Status Open() {
-    TRY(auto entry, app::WarmHandleSet(engine_, caller_, *session_, open_.handle_set_id(),
-                                       CancelTokenOf(context_)));
-    TRY(options_, FromWire(open_.options(), engine_.limits, *entry.handles->mesh()));
-    open_.clear_options();
-    if (!v1::Delivery_IsValid(open_.delivery())) {
-      return Fail(Fault(FaultKind::kInvalidOption,
-                        "open.delivery has a value that this version does not know.")
-                      .Field("open.delivery")
-                      .Detail("value", static_cast<int>(open_.delivery())));
-    }
-    {
-      const double seconds = EstimateFrame(*entry.handles, options_.deform).seconds();
-      const MutexLock lock(&mutex_);
-      CHECK_OK(policy_.AdmitFrames(seconds));
-    }
-    TRY(live_room_,
-        engine_.derived.Reserve(
-            caller_, app::LiveSet::BytesOf(*entry.handles, options_.deform, 1) + options_.bytes()));
-    end_listener_ = session_->AddEndListener(
-        [weak = weak_from_this(), ended = app::NotFound("session", open_.session_id())] {
-          if (const auto self = weak.lock()) self->End(ended);
-        });
-    live_.emplace(std::move(entry));
-    return {};
   }
 
   // Also the frame of another stream of the mesh that waits, when there is one: two frames in one
@@ -282,10 +280,11 @@ class StreamReactor final
     CpuTimer processor;
     if (other == nullptr) {
       auto quality = OrOutOfMemory([this] {
-        return live_->Move(job_.targets, JobOptions(), engine_.metrics, CancelTokenOf(context_));
+        return work_.live().Move(job_.targets, JobOptions(), engine_.metrics,
+                                 CancelTokenOf(context_));
       });
       return AnswerUpdate(std::move(quality), {queued, working},
-                          processor.Lap() + live_->helped_seconds() * 1e3);
+                          processor.Lap() + work_.live().helped_seconds() * 1e3);
     }
     const double other_queued = other->job_.waiting.Micros();
     JointFrame ours = NextFrame(), theirs = other->NextFrame();
@@ -296,22 +295,22 @@ class StreamReactor final
   }
 
   DeformOptions JobOptions() const {
-    DeformOptions options = options_.deform;
+    DeformOptions options = work_.options().deform;
     options.measure_every = job_.measure ? 1 : 0;
     return options;
   }
   JointFrame NextFrame() {
-    return live_->FrameOf(job_.targets, JobOptions(), CancelTokenOf(context_));
+    return work_.live().FrameOf(job_.targets, JobOptions(), CancelTokenOf(context_));
   }
 
   // The shape that live_ has now, of this quality, after so many milliseconds of the processor.
   void AnswerUpdate(Result<ShapeQuality> quality, const ShapeTimes& times, double milliseconds) {
     CpuTimer processor;
-    auto answer = std::make_unique<Answer>();
+    auto answer = answer_ ? std::move(answer_) : std::make_unique<Answer>();
     const Status made = OrOutOfMemory([&]() -> Status {
       if (!quality) return Fail(std::move(quality).error());
-      return ToWire(*live_, *quality, options_, job_.picks, CancelTokenOf(context_), times,
-                    answer->message.mutable_shape());
+      return ToWire(work_.live(), *quality, work_.options(), job_.picks, CancelTokenOf(context_),
+                    times, answer->message.mutable_shape());
     });
     const double took = (milliseconds + processor.Lap()) * 1e-3;
     const MutexLock lock(&mutex_);
@@ -324,32 +323,15 @@ class StreamReactor final
     const double queue_micros = job_.waiting.Micros();
     const runtime::WallTimer working;
     auto answer = std::make_unique<Answer>();
-    auto made = OrOutOfMemory([&]() -> Result<app::EditedSet> {
-      TRY(const auto add, FromWire(edit_.add(), "add"));
-      // What is added is this stream's own: it counts for as long as the stream has it.
-      const app::HandleSetEntry& entry = live_->entry();
-      const std::vector<std::string> remove(edit_.remove().begin(), edit_.remove().end());
-      const CancelToken cancel = CancelTokenOf(context_);
-      TRY(const arap::Cost cost, app::EditCostOf(entry, remove, add, engine_.limits, cancel));
-      TRY(auto room, engine_.derived.Reserve(
-                         caller_, app::LiveSet::BytesOf(*entry.handles, options_.deform, 1) +
-                                      options_.bytes() + cost.bytes));
-      TRY(auto edited, live_->Edited(remove, add, job_.targets, options_.deform, engine_.limits,
-                                     cancel, engine_.metrics));
-      CHECK_OK(ToWire(edited.set, edited.quality, options_, {}, cancel, {queue_micros, working},
-                      answer->message.mutable_shape()));
-      const CompiledHandles& handles = *edited.set.entry().handles;
-      room.Shrink(app::LiveSet::BytesOf(handles, options_.deform, 1) + options_.bytes() +
-                  handles.bytes());
-      live_room_ = std::move(room);
-      return edited;
+    auto targets = OrOutOfMemory([&] {
+      return work_.Edit(edit_, job_.targets, CancelTokenOf(context_), {queue_micros, working},
+                        answer->message.mutable_shape());
     });
-    if (made) live_.emplace(std::move(made->set));
     const MutexLock lock(&mutex_);
-    if (made) {
-      policy_.Edited({live_->entry().handles, std::move(made->targets)}, std::move(answer));
+    if (targets) {
+      policy_.Edited(work_.Handles(*std::move(targets)), std::move(answer));
     } else {
-      policy_.Failed(std::move(made.error()));
+      policy_.Failed(std::move(targets.error()));
     }
     Pump();
   }
@@ -365,20 +347,22 @@ class StreamReactor final
   app::StreamPolicy policy_ ABSL_GUARDED_BY(mutex_);
   // gRPC's while it reads and writes.
   v1::StreamDeformRequest incoming_ ABSL_GUARDED_BY(mutex_);
+  bool read_due_ ABSL_GUARDED_BY(mutex_) = false;  // the next message is to be read into it
   std::unique_ptr<Answer> outgoing_ ABSL_GUARDED_BY(mutex_);
+  // With a cleared shape that has kept its memory, or none. Those that are computed, wait and are
+  // written are never more than three, with this one among them (LiveSet::BytesOf).
+  std::unique_ptr<Answer> spare_ ABSL_GUARDED_BY(mutex_);
   RpcLog log_ ABSL_GUARDED_BY(mutex_);
   Status end_status_ ABSL_GUARDED_BY(mutex_);
   app::DerivedCache::Reservation message_room_ ABSL_GUARDED_BY(mutex_);
 
   // The running job's own; when none runs, of whoever holds mutex_.
   app::StreamJob job_;
+  std::unique_ptr<Answer> answer_;  // kUpdate: to be filled, or none
   v1::OpenStream open_;
   v1::HandleEdit edit_;
-  std::shared_ptr<app::Session> session_;
   std::uint64_t end_listener_ = 0;
-  ShapeOptions options_;
-  std::optional<app::LiveSet> live_;
-  app::DerivedCache::Reservation live_room_;  // for it, and for what edits have added
+  StreamWork work_;
 };
 
 }  // namespace

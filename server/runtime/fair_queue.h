@@ -119,6 +119,16 @@ class FairQueue {
     return !others && (*next.ready.begin())->waiting.begin()->first < KeyOf(running, since);
   }
 
+  // Whether an entry of this owner that is pushed now would be the next to be taken.
+  bool WouldBeNext(const std::string& owner) const {
+    if (ready_.empty()) return true;
+    const auto found = owners_.find(owner);
+    const bool known = found != owners_.end();
+    if (known && found->second.waits) return false;  // what it has there may be older
+    const double served = known ? std::clamp(found->second.served, now_, now_ + kMostDebt) : now_;
+    return served < (*ready_.begin())->served;
+  }
+
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
   std::optional<Time> oldest() const {

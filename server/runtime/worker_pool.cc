@@ -5,7 +5,6 @@
 
 #include <pthread.h>
 
-#include "core/base/cpu_timer.h"
 #include "server/runtime/metrics.h"
 #include "server/runtime/time_slice.h"
 
@@ -25,25 +24,6 @@ void NameThread(const std::string& name) {
 }
 
 }  // namespace
-
-// A thread and the job that it runs. Only the thread itself looks at it.
-struct WorkerPool::Worker {
-  WorkerPool& pool;
-  std::size_t thread = 0;
-  Place place = Place::kAny;
-  Share share{};
-  const void* reads = nullptr;   // see Company
-  std::optional<Share> along{};  // of the job that was taken along
-  double along_paid = 0;         // charged before it was used
-  Time since{};                  // the job waited for its first turn
-  Time turn{};                   // when its turn began
-  CpuTimer processor{};          // since it was last charged
-  Time clock{};                  // likewise
-  double used = 0;               // seconds
-  double paid = 0;               // of these, charged or charged before
-  double helped = 0;             // that other threads took since it was last charged
-  Time next_giving_way{};
-};
 
 thread_local WorkerPool::Worker* WorkerPool::this_worker = nullptr;
 
@@ -67,7 +47,7 @@ WorkerPool::WorkerPool(PoolOptions options)
   const std::size_t all = threads() + options_.aside;
   {
     const MutexLock lock(&mutex_);
-    jobs_.resize(all);
+    jobs_.resize(all + options_.visitors);
   }
   const MutexLock joining(&join_mutex_);
   threads_.reserve(all);
@@ -129,7 +109,7 @@ PoolStats WorkerPool::stats() const {
   const Time now = steady_clock::now();
   PoolStats stats;
   stats.waiting = queue_.size();
-  stats.running = running_;
+  stats.running = running_ + visitors_;
   stats.completed = completed_;
   stats.taken_along = taken_along_;
   stats.gave_way = gave_way_;
@@ -205,7 +185,7 @@ std::optional<WorkerPool::Queue::Entry> WorkerPool::Take(Worker& worker) {
   --idle_;
   if (!next) return next;
   const Time now = steady_clock::now();
-  jobs_[worker.thread] = Running{now, next->share.seconds};
+  jobs_[worker.thread] = Running{now, next->share.seconds, next->share.owner};
   worker.share = next->share;
   worker.reads = next->item.company.reads;
   worker.along.reset();
@@ -243,14 +223,18 @@ void WorkerPool::LeaveLocked(Place place) {
   if (place == Place::kShort) --running_short_;
 }
 
+void WorkerPool::NoteEndLocked(Worker& worker) {
+  ChargeLocked(worker);
+  last_finish_ = worker.clock;
+  busy_ += last_finish_ - std::exchange(jobs_[worker.thread], std::nullopt)->since;
+  completed_ += worker.along ? 2u : 1u;
+}
+
 void WorkerPool::Finished(Worker& worker) {
   {
     const MutexLock lock(&mutex_);
-    ChargeLocked(worker);
+    NoteEndLocked(worker);
     LeaveLocked(worker.place);
-    last_finish_ = steady_clock::now();
-    busy_ += last_finish_ - std::exchange(jobs_[worker.thread], std::nullopt)->since;
-    completed_ += worker.along ? 2u : 1u;
     // Those that wait for the last job to end.
     if (stopped_) wake_.SignalAll();
     if (!HasFreeThread()) return;
@@ -280,7 +264,7 @@ void WorkerPool::TakeTurns(Worker& worker) {
   worker.place = aside.place;
   worker.paid += Queue::Paid(worker.share);
   worker.turn = worker.clock = steady_clock::now();
-  jobs_[worker.thread] = Running{worker.turn, worker.share.seconds};
+  jobs_[worker.thread] = Running{worker.turn, worker.share.seconds, worker.share.owner};
 }
 
 std::shared_ptr<void> WorkerPool::TakeAlong(Worker& worker) {

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/base/cpu_timer.h"
 #include "core/base/mutex.h"
 #include "server/runtime/fair_queue.h"
 
@@ -33,6 +34,10 @@ struct PoolOptions {
   std::size_t aside = 0;
   // Jobs wait for something else: owners share the time that passes and not the processor's.
   bool waits = false;
+  // So many threads that are none of the pool's may run a job at once, see TryVisit, which is
+  // expected to take at most so long.
+  std::size_t visitors = 0;
+  double visit_seconds = 0;
   // Of the processor, see SetTimeSlice; 0: as whoever makes the pool.
   std::chrono::microseconds turns{0};
 };
@@ -79,8 +84,15 @@ struct PoolStats {
 // Thread-safe. Every accepted job runs exactly once, unless it is taken along, also when the pool is
 // stopped meanwhile. A job must not throw and must not wait for another job of its pool.
 class WorkerPool {
+  struct Worker;
+  struct EndOfVisit {
+    void operator()(Worker* worker) const;
+  };
+
  public:
   using Job = std::function<void()>;
+  // While it is there, its thread runs a job. It goes in the same thread, and before the pool.
+  using Visit = std::unique_ptr<Worker, EndOfVisit>;
   // What a newcomer would find, see FairQueue.
   struct Outlook {
     std::size_t place = 0;
@@ -103,6 +115,13 @@ class WorkerPool {
   // a full queue. Who uses it keeps at most one such job waiting. False only after Stop.
   // The job does not run when another one takes its company along.
   [[nodiscard]] bool Continue(Job job, Share share = {}, Company company = {});
+
+  // Leave to run a short job at once in the thread that asks, so that nobody has to be woken for
+  // it. It counts as a job in every way, and changes nobody's turn: there is leave only when the job
+  // would be the next to be taken, and there is a place for it or its owner has no other running.
+  // The places of the workers stay theirs. A thread has no leave right after a visit: what it does
+  // then was waiting behind that, and more may be waiting.
+  [[nodiscard]] Visit TryVisit(Share share);
 
   // What another job of this owner would find now.
   Outlook OutlookOf(const std::string& owner) const;
@@ -141,8 +160,26 @@ class WorkerPool {
   struct Running {
     Time since;
     double seconds = 0;  // that it is expected to take
+    std::string owner;
   };
-  struct Worker;
+  // A thread and the job that it runs. Only the thread itself looks at it.
+  struct Worker {
+    WorkerPool& pool;
+    std::size_t thread = 0;
+    Place place = Place::kAny;
+    Share share{};
+    const void* reads = nullptr;   // see Company
+    std::optional<Share> along{};  // of the job that was taken along
+    double along_paid = 0;         // charged before it was used
+    Time since{};                  // the job waited for its first turn
+    Time turn{};                   // when its turn began
+    CpuTimer processor{};          // since it was last charged
+    Time clock{};                  // likewise
+    double used = 0;               // seconds
+    double paid = 0;               // of these, charged or charged before
+    double helped = 0;             // that other threads took since it was last charged
+    Time next_giving_way{};
+  };
   // What threads without a job may take parts of, at most `most` of them at a time.
   struct Offer;
 
@@ -153,7 +190,11 @@ class WorkerPool {
   std::optional<Queue::Entry> NextLocked(Worker& worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool HasPlaceLocked() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool HasShortPlaceLocked() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool OwnerRunsLocked(const std::string& owner) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Finished(Worker& worker);
+  void EndVisit(Worker& worker);
+  // Its job has ended.
+  void NoteEndLocked(Worker& worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // What the job has taken since this was last asked, and counts it.
   void ChargeLocked(Worker& worker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void LeaveLocked(Place place) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -178,11 +219,12 @@ class WorkerPool {
   mutable CondVar free_;
   Queue queue_ ABSL_GUARDED_BY(mutex_);
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
-  // By thread.
+  // By thread, then of visitors.
   std::vector<std::optional<Running>> jobs_ ABSL_GUARDED_BY(mutex_);
   std::size_t idle_ ABSL_GUARDED_BY(mutex_) = 0;           // threads without a job
   std::size_t running_ ABSL_GUARDED_BY(mutex_) = 0;        // jobs, those aside left out
   std::size_t running_short_ ABSL_GUARDED_BY(mutex_) = 0;  // of these, in the place of short ones
+  std::size_t visitors_ ABSL_GUARDED_BY(mutex_) = 0;
   std::uint64_t completed_ ABSL_GUARDED_BY(mutex_) = 0;
   std::uint64_t taken_along_ ABSL_GUARDED_BY(mutex_) = 0;
   std::uint64_t gave_way_ ABSL_GUARDED_BY(mutex_) = 0;

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <future>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -16,12 +17,13 @@ inline constexpr auto kReady = std::future_status::ready;
 // Keeps one worker busy until opened.
 class Blocker {
  public:
-  explicit Blocker(WorkerPool& pool) {
+  explicit Blocker(WorkerPool& pool, const std::string& owner = {}) {
     auto started = started_.get_future();
-    EXPECT_TRUE(pool.TryPost([this, open = open_.get_future().share()] {
+    const auto job = [this, open = open_.get_future().share()] {
       started_.set_value();
       EXPECT_EQ(open.wait_for(kPatience), std::future_status::ready) << "nobody opens it";
-    }));
+    };
+    EXPECT_TRUE(pool.TryPost(job, {owner}));
     EXPECT_EQ(started.wait_for(kPatience), std::future_status::ready) << "no worker is free";
   }
   void Open() { open_.set_value(); }

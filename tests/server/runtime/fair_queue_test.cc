@@ -140,6 +140,20 @@ TEST_F(FairQueueTest, TheShortPlaceTakesShortWorkOnlyInTurn) {
   EXPECT_EQ(queue_.Pop()->item, "long");
 }
 
+TEST_F(FairQueueTest, SaysWhoWouldBeNext) {
+  EXPECT_TRUE(queue_.WouldBeNext("ann")) << "nobody waits";
+  Push("ann", 0, 0.01);
+  EXPECT_FALSE(queue_.WouldBeNext("ann")) << "older work of hers";
+  EXPECT_FALSE(queue_.WouldBeNext("ben")) << "served as little, and ann has waited for longer";
+  Push("ann", 0, 0.01);
+  Next();
+  EXPECT_TRUE(queue_.WouldBeNext("ben")) << "ann had a turn";
+  Push("ben", 0, 0.01, "ben");
+  EXPECT_EQ(Next(), "ben");
+  EXPECT_FALSE(queue_.WouldBeNext("ben")) << "both had one";
+  EXPECT_TRUE(queue_.WouldBeNext("cas"));
+}
+
 TEST_F(FairQueueTest, WhoRunsLongIsToldWhenOthersAreFirst) {
   Push("ann", 0, 60);
   const auto long_job = queue_.Pop();

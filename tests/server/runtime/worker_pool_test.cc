@@ -5,7 +5,9 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <future>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -286,6 +288,76 @@ TEST(WorkerPoolTest, LongJobsGiveWayWhileAllFramesAreBusyAndYetGetOn) {
   EXPECT_EQ(jobs.stats().gave_way, 1u);
   GiveWay();
   EXPECT_EQ(frames.stats().gave_way, 0u) << "a thread of no pool gives way to none";
+}
+
+PoolOptions WithVisitors(std::size_t threads, std::size_t visitors) {
+  PoolOptions options{"frames", threads, 10};
+  options.visitors = visitors;
+  options.visit_seconds = 0.001;
+  return options;
+}
+
+// Visits in a thread of their own, since a thread has no leave for another one right after.
+bool Visits(WorkerPool& pool, const Share& share, const std::function<void()>& meanwhile = {}) {
+  bool may = false;
+  testing::BoundedThread thread("a visitor", [&] {
+    const WorkerPool::Visit visit = pool.TryVisit(share);
+    may = visit != nullptr;
+    if (may && meanwhile) meanwhile();
+  });
+  thread.Join();
+  return may;
+}
+
+TEST(WorkerPoolTest, AVisitorsJobCountsLikeAnother) {
+  Metrics metrics;
+  PoolOptions options = WithVisitors(1, 1);
+  options.metrics = &metrics;
+  WorkerPool pool(options);
+  EXPECT_TRUE(Visits(pool, {"ann", 1, 0.0001}, [&] {
+    EXPECT_EQ(pool.stats().running, 1u);
+    EXPECT_FALSE(Visits(pool, {"ben", 1, 0.0001})) << "one at a time";
+    EXPECT_TRUE(pool.AwaitFreeThread(milliseconds::zero())) << "the worker's place stays its own";
+  }));
+  const PoolStats done = pool.stats();
+  EXPECT_EQ(done.running, 0u);
+  EXPECT_EQ(done.completed, 1u);
+  EXPECT_GT(done.busy.count(), 0);
+  EXPECT_NE(metrics.Text().find("arapd_queue_seconds_count{lane=\"frames\"} 1\n"),
+            std::string::npos);
+  EXPECT_FALSE(Visits(pool, {"ann", 1, 0.002})) << "that is long";
+  pool.Stop();
+  EXPECT_FALSE(Visits(pool, {"ann", 1, 0.0001}));
+  EXPECT_FALSE(Visits(*std::make_unique<WorkerPool>(1, 1), {"ann", 1, 0.0001}));
+}
+
+TEST(WorkerPoolTest, AThreadThatHasVisitedGoesOnWithWhatWaits) {
+  WorkerPool pool(WithVisitors(1, 1));
+  const auto begin = std::chrono::steady_clock::now();
+  // Of a thread that was stopped between the two visits nothing is said.
+  for (bool again = true; again;) {
+    ASSERT_LT(std::chrono::steady_clock::now() - begin, kPatience) << "it had leave every time";
+    testing::BoundedThread thread("a visitor", [&] {
+      EXPECT_TRUE(pool.TryVisit({"ann", 1, 0.0001}));
+      again = pool.TryVisit({"ann", 1, 0.0001}) != nullptr;
+    });
+    thread.Join();
+  }
+}
+
+TEST(WorkerPoolTest, AVisitChangesNobodysTurn) {
+  WorkerPool pool(WithVisitors(1, 2));
+  Blocker blocker(pool, "ann");
+  EXPECT_FALSE(Visits(pool, {"ann", 1, 0.0001})) << "the only place is taken, by her too";
+  EXPECT_TRUE(Visits(pool, {"ben", 1, 0.0001})) << "he has nothing else running";
+  EXPECT_TRUE(pool.TryPost([] {}, {"ann", 2, 1}));
+  EXPECT_FALSE(Visits(pool, {"ann", 1, 0.0001})) << "older work of hers waits";
+  // Neither was served yet, and cas has waited for longer.
+  EXPECT_TRUE(pool.TryPost([] {}, {"cas", 0, 1}));
+  EXPECT_FALSE(Visits(pool, {"dan", 1, 0.0001}));
+  blocker.Open();
+  pool.Stop();
+  EXPECT_EQ(pool.stats().completed, 4u);
 }
 
 TEST(WorkerPoolTest, HasAtLeastOneThread) { EXPECT_EQ(WorkerPool(0, 1).threads(), 1u); }

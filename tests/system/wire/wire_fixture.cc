@@ -102,6 +102,15 @@ std::string Health(const std::string& address, const std::string& service) {
 }
 
 PoolGate::PoolGate(runtime::WorkerPool& pool) {
+  // A thread that had a visit has none right after: when there is no leave for so long, there is none.
+  constexpr std::chrono::milliseconds kWhile{1};
+  for (auto last = std::chrono::steady_clock::now();
+       std::chrono::steady_clock::now() - last < kWhile;) {
+    auto visit = pool.TryVisit({});
+    if (visit == nullptr) continue;
+    visits_.push_back(std::move(visit));
+    last = std::chrono::steady_clock::now();
+  }
   const std::shared_future<void> open = open_.get_future().share();
   for (std::size_t i = 0; i < pool.threads(); ++i) {
     // The last place may be for short jobs only, while others have long ones.
@@ -121,7 +130,9 @@ PoolGate::PoolGate(runtime::WorkerPool& pool) {
 }
 
 void PoolGate::Open() {
-  if (!std::exchange(opened_, true)) open_.set_value();
+  if (std::exchange(opened_, true)) return;
+  visits_.clear();
+  open_.set_value();
 }
 
 v1::PlanarMesh Grid(int width, int height) {

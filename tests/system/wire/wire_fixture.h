@@ -45,7 +45,8 @@ WireError ExpectError(const google::rpc::Status& status, grpc::StatusCode code, 
 // The answer of grpc.health.v1.Health/Check, as bytes: 08 01 is SERVING, 08 02 NOT_SERVING.
 std::string Health(const std::string& address, const std::string& service = {});
 
-// Keeps every thread of a pool busy from construction until Open or destruction.
+// Keeps every thread of a pool busy, and every visitor's place, from construction until Open or
+// destruction, which are in one thread.
 class PoolGate {
  public:
   explicit PoolGate(runtime::WorkerPool& pool);
@@ -56,6 +57,7 @@ class PoolGate {
 
  private:
   std::promise<void> open_;
+  std::vector<runtime::WorkerPool::Visit> visits_;
   bool opened_ = false;
 };
 
