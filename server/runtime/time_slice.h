@@ -11,8 +11,9 @@ namespace arap::runtime {
 // Linux does so from 6.12 on, and by default takes 3 ms or less; where it does not, nothing changes.
 void SetTimeSlice(std::chrono::microseconds slice);
 
-// Whoever answers somebody who waits: frames, and what is between them and the network.
-inline constexpr std::chrono::microseconds kQuickTurns{200};
+// Whoever answers somebody who waits: frames, and what is between them and the network. Shorter ones cost more switches
+// than they save waiting: with 0.2 ms sixteen streams get a quarter fewer updates, and nobody's frame comes sooner.
+inline constexpr std::chrono::microseconds kQuickTurns{1'000};
 // Whoever computes for long.
 inline constexpr std::chrono::microseconds kLongTurns{3'000};
 
