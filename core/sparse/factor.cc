@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <optional>
 #include <type_traits>
 
 #include <cholmod.h>
-#include <sys/mman.h>
 
 #include "core/base/cpu_timer.h"
 #include "core/base/large_pages.h"
@@ -53,6 +51,11 @@ int CholmodMode(FactorLayout layout) {
   return CHOLMOD_AUTO;
 }
 
+SupernodalPattern PatternOf(const cholmod_factor& f) {
+  return {Indices(f.super, f.nsuper + 1), Indices(f.pi, f.nsuper + 1), Indices(f.s, f.ssize),
+          Indices(f.px, f.nsuper + 1), Indices(f.Perm, f.n)};
+}
+
 // Fills a factor that was analysed with the numbers of a matrix; CHOLMOD's status. Its own code for supernodes
 // takes twice as long as ours.
 template <class Scalar>
@@ -69,42 +72,23 @@ int Numbers(const Eigen::SparseMatrix<Scalar>& lower, cholmod_factor& f, cholmod
     if (!cholmod_change_factor(kXtype<Scalar>, 1, 1, 1, 1, &f, &common)) return common.status;
     PreferLargePages(f.x, f.xsize * sizeof(Scalar));
   }
-  const bool definite = FactorSupernodes<Scalar>(
-      {Indices(f.super, f.nsuper + 1), Indices(f.pi, f.nsuper + 1), Indices(f.s, f.ssize),
-       Indices(f.px, f.nsuper + 1), Indices(f.Perm, f.n)},
-      lower, static_cast<Scalar*>(f.x));
+  const bool definite = FactorSupernodes<Scalar>(PatternOf(f), lower, static_cast<Scalar*>(f.x));
   f.minor = definite ? f.n : 0;
   return definite ? CHOLMOD_OK : CHOLMOD_NOT_POSDEF;
 }
 
-// Gives back the memory of an array from its end, in large pieces; what was there is lost.
-class Shrinking {
- public:
-  Shrinking(void* data, std::size_t bytes) : end_(reinterpret_cast<std::uintptr_t>(data) + bytes) {}
-
-  void DropFrom(const void* begin) {
-    constexpr std::uintptr_t kPiece = std::uintptr_t{16} << 20u, kPage = 4096;
-    const auto from = (reinterpret_cast<std::uintptr_t>(begin) + kPage - 1) / kPage * kPage;
-    const std::uintptr_t to = end_ / kPage * kPage;
-    if (from + kPiece > to) return;
-    madvise(reinterpret_cast<void*>(from), to - from, MADV_DONTNEED);
-    end_ = from;
-  }
-
- private:
-  std::uintptr_t end_;
-};
-
-// With `drop` the factor's numbers are lost: a large factor is never there twice.
+// The same for a packed one, of which `f` has the pattern. Pack makes panels of what it writes.
 template <class Scalar>
-PackedFactor<Scalar> Packed(const cholmod_factor& f, bool drop) {
-  Shrinking numbers(f.x, f.xsize * sizeof(Scalar));
-  typename PackedFactor<Scalar>::ReadFrom read_from;
-  if (drop) read_from = [&](const Scalar* begin) { numbers.DropFrom(begin); };
-  return PackedFactor<Scalar>(
-      {Indices(f.super, f.nsuper + 1), Indices(f.pi, f.nsuper + 1), Indices(f.s, f.ssize),
-       Indices(f.px, f.nsuper + 1), static_cast<const Scalar*>(f.x), Indices(f.Perm, f.n)},
-      read_from);
+int Numbers(const Eigen::SparseMatrix<Scalar>& lower, const cholmod_factor& f,
+            std::optional<PackedFactor<Scalar>>& packed) {
+  SupernodalPattern pattern = PatternOf(f);
+  if (!packed) packed.emplace(pattern);
+  pattern.values_begin = packed->block_begin();
+  if (!FactorSupernodes<Scalar>(pattern, lower, packed->blocks())) {
+    packed.reset();
+    return CHOLMOD_NOT_POSDEF;
+  }
+  return CHOLMOD_OK;
 }
 
 }  // namespace
@@ -125,8 +109,8 @@ class FactorData {
 
   CholmodCommon common;
   FactorLayout layout = FactorLayout::kSupernodal;
-  bool once = false;                 // there will be no second set of values
-  cholmod_factor* factor = nullptr;  // nullptr once it is packed for good
+  cholmod_factor* factor =
+      nullptr;  // of a packed one the pattern, until there will be no more numbers
   // The one of the factor's scalar, when it is packed.
   std::optional<PackedFactor<double>> real;
   std::optional<PackedFactor<std::complex<double>>> complex;
@@ -207,14 +191,15 @@ Result<std::unique_ptr<Factor<Scalar>>> Factor<Scalar>::Analyse(
 template <class Scalar>
 Status Factor<Scalar>::Again(const Eigen::SparseMatrix<Scalar>& lower) {
   CpuTimer timer;
+  const bool packed = data_->layout == FactorLayout::kPacked;
   {
     [[maybe_unused]] const NoDenormals none;
-    const int status = Numbers(lower, *data_->factor, *data_->common.get());
+    const int status = packed ? Numbers(lower, *data_->factor, data_->packed<Scalar>())
+                              : Numbers(lower, *data_->factor, *data_->common.get());
     if (status != CHOLMOD_OK) return Fail(CholmodFault(status, "Factoring", size()));
   }
   times_.numbers = timer.Lap();
-  if (data_->layout == FactorLayout::kPacked)
-    data_->packed<Scalar>() = Packed<Scalar>(*data_->factor, data_->once);
+  if (packed) data_->packed<Scalar>()->Pack(PatternOf(*data_->factor));
   return {};
 }
 
@@ -222,10 +207,12 @@ template <class Scalar>
 Result<std::shared_ptr<const Factor<Scalar>>> Factor<Scalar>::Make(
     const Eigen::SparseMatrix<Scalar>& lower, FactorLayout layout, std::span<const int> order) {
   TRY(auto factor, Analyse(lower, layout, order));
-  factor->data_->once = true;
   cholmod_free_work(factor->data_->common.get());  // supernodes need none
   CHECK_OK(factor->Again(lower));
-  if (layout == FactorLayout::kPacked) factor->data_->DropCholmod();
+  if (layout == FactorLayout::kPacked) {
+    factor->data_->template packed<Scalar>()->GiveBackRoom();
+    factor->data_->DropCholmod();
+  }
   cholmod_free_work(factor->data_->common.get());  // solves have workspaces of their own
   return std::shared_ptr<const Factor>(std::move(factor));
 }
@@ -307,7 +294,7 @@ std::size_t Factor<Scalar>::bytes() const {
   std::size_t bytes = sizeof(FactorData) + (packed ? packed->bytes() : 0);
   if (data_->factor) {
     const cholmod_factor& f = *data_->factor;
-    const std::size_t numbers = f.is_super ? f.xsize : f.nzmax;
+    const std::size_t numbers = packed ? 0 : f.is_super ? f.xsize : f.nzmax;
     const std::size_t indices = f.is_super ? f.ssize : f.nzmax;
     bytes += numbers * sizeof(Scalar) + indices * sizeof(int) + f.n * 8 * sizeof(int);
   }

@@ -8,6 +8,8 @@
 #include <numeric>
 #include <utility>
 
+#include <sys/mman.h>
+
 #include "core/base/large_pages.h"
 
 namespace arap {
@@ -60,10 +62,20 @@ double* AllocateNumbers(std::size_t count) {
   return static_cast<double*>(memory);
 }
 
+// Of `allocated` numbers the first `kept`, and what shares pages with them, stay; returns how many do.
+std::size_t KeepNumbers(double* numbers, std::size_t kept, std::size_t allocated) {
+  constexpr std::uintptr_t kPage = 4096, kLeast = 16 * kPage;
+  const auto start = reinterpret_cast<std::uintptr_t>(numbers);
+  const std::uintptr_t from = (start + kept * sizeof(double) + kPage - 1) / kPage * kPage,
+                       to = (start + allocated * sizeof(double)) / kPage * kPage;
+  if (from + kLeast > to) return allocated;
+  if (madvise(reinterpret_cast<void*>(from), to - from, MADV_DONTNEED) != 0) return allocated;
+  return allocated - (to - from) / sizeof(double);
+}
+
 // Whole subtrees of at most `most` numbers, as ranges of supernodes, ascending; what is in none of them is above them
 // all. CHOLMOD numbers a subtree one after the other; of an order that does not, less is found.
-template <class Scalar>
-std::vector<PanelRange> SubtreesOf(const Supernodes<Scalar>& l, std::size_t most) {
+std::vector<PanelRange> SubtreesOf(const SupernodalPattern& l, std::size_t most) {
   const std::size_t count = l.first.size() - 1;
   std::vector<std::size_t> numbers(count), members(count, 1), lowest(count);
   std::iota(lowest.begin(), lowest.end(), std::size_t{0});
@@ -92,32 +104,69 @@ std::vector<PanelRange> SubtreesOf(const Supernodes<Scalar>& l, std::size_t most
 }  // namespace
 
 template <class Scalar>
-PackedFactor<Scalar>::PackedFactor(const Supernodes<Scalar>& l, const ReadFrom& read_from,
-                                   std::size_t part_numbers)
+PackedFactor<Scalar>::PackedFactor(const SupernodalPattern& l, std::size_t part_numbers)
     : order_(l.order.begin(), l.order.end()) {
-  std::size_t panels = 0;
-  std::vector<std::size_t> first_panel{0};
-  for (std::size_t s = 0; s + 1 < l.first.size(); ++s) {
-    const auto width = static_cast<std::size_t>(l.first[s + 1] - l.first[s]);
-    const auto height = static_cast<std::size_t>(l.rows_begin[s + 1] - l.rows_begin[s]);
-    ForEachPanel(width, [&](std::size_t begin, std::size_t end) {
-      ++panels;
-      panels_.numbers += NumbersOf(end - begin, height - end);
-    });
-    first_panel.push_back(panels);
-  }
-  panels_.panels.reserve(panels);
-  panels_.rows.assign(l.rows.begin(), l.rows.end());
-  Cut(l, first_panel, part_numbers);
-  panels_.values.reset(AllocateNumbers(panels_.numbers));
-  double* out = panels_.values.get();
+  const std::size_t count = l.first.size() - 1;
+  std::vector<std::size_t> first_panel(count + 1);
+  block_begin_.resize(count);
+  std::size_t blocks = 0;
   // The last first: the pass from the root to the leaves is the one that is never cut short, and
   // reads forwards so.
-  for (std::size_t s = l.first.size() - 1; s-- > 0;) {
-    out = Pack(l, s, out);
-    if (read_from) read_from(l.values + l.values_begin[s]);
+  for (std::size_t s = count; s-- > 0;) {
+    const auto first = static_cast<std::size_t>(l.first[s]),
+               width = static_cast<std::size_t>(l.first[s + 1]) - first;
+    const auto rows = static_cast<std::size_t>(l.rows_begin[s]),
+               height = static_cast<std::size_t>(l.rows_begin[s + 1]) - rows;
+    ForEachPanel(width, [&](std::size_t begin, std::size_t end) {
+      panels_.panels.push_back({static_cast<std::uint32_t>(first + begin),
+                                static_cast<std::uint32_t>(end - begin),
+                                static_cast<std::uint32_t>(rows + end),
+                                static_cast<std::uint32_t>(height - end), panels_.numbers});
+      panels_.numbers += NumbersOf(end - begin, height - end);
+    });
+    first_panel[s] = panels_.panels.size();
+    block_begin_[s] = static_cast<int>(blocks);
+    blocks += width * height;
+    // Filled up, the panels so far may take more than their blocks.
+    if (panels_.numbers > room_ + blocks * kNumbers<Scalar>)
+      room_ = panels_.numbers - blocks * kNumbers<Scalar>;
   }
+  const std::size_t panels = panels_.panels.size();
+  for (std::size_t& first : first_panel) first = panels - first;
   std::reverse(panels_.panels.begin(), panels_.panels.end());
+  panels_.panels.shrink_to_fit();
+  panels_.rows.assign(l.rows.begin(), l.rows.end());
+  Cut(l, first_panel, part_numbers);
+  room_ = (room_ + kAlign - 1) / kAlign * kAlign;
+  allocated_ = room_ + blocks * kNumbers<Scalar>;
+  panels_.values.reset(AllocateNumbers(allocated_));
+}
+
+template <class Scalar>
+void PackedFactor<Scalar>::Pack(const SupernodalPattern& l) {
+  std::vector<Scalar> copy;  // of a block that its own panels would overwrite
+  std::size_t panel = panels_.panels.size();
+  for (std::size_t s = l.first.size() - 1; s-- > 0;) {
+    const auto first = static_cast<std::size_t>(l.first[s]);
+    const auto height = static_cast<std::size_t>(l.rows_begin[s + 1] - l.rows_begin[s]);
+    const std::size_t size = (static_cast<std::size_t>(l.first[s + 1]) - first) * height;
+    std::size_t end = panel;
+    while (panel > 0 && panels_.panels[panel - 1].first >= first) --panel;
+    const std::size_t numbers_end = panel > 0 ? panels_.panels[panel - 1].values : panels_.numbers;
+    const Scalar* block = blocks() + block_begin_[s];
+    if (panels_.values.get() + numbers_end > reinterpret_cast<const double*>(block)) {
+      copy.assign(block, block + size);
+      block = copy.data();
+    }
+    while (end-- > panel)
+      PackPanel(panels_.panels[end], block, panels_.panels[end].first - first, height);
+  }
+}
+
+template <class Scalar>
+void PackedFactor<Scalar>::GiveBackRoom() {
+  allocated_ = KeepNumbers(panels_.values.get(), panels_.numbers, allocated_);
+  block_begin_ = {};
 }
 
 // Calls visit(begin, end) for the columns of every panel of a supernode, the last first. Real ones are as wide as can
@@ -143,43 +192,30 @@ std::size_t PackedFactor<Scalar>::NumbersOf(std::size_t width, std::size_t rows)
 }
 
 template <class Scalar>
-double* PackedFactor<Scalar>::Pack(const Supernodes<Scalar>& l, std::size_t supernode,
-                                   double* out) {
-  const auto first = static_cast<std::size_t>(l.first[supernode]);
-  const auto width = static_cast<std::size_t>(l.first[supernode + 1]) - first;
-  const auto rows = static_cast<std::size_t>(l.rows_begin[supernode]);
-  const auto height = static_cast<std::size_t>(l.rows_begin[supernode + 1]) - rows;
-  const Scalar* block = l.values + l.values_begin[supernode];
-  ForEachPanel(width, [&](std::size_t begin, std::size_t end) {
-    Panel panel;
-    panel.first = static_cast<std::uint32_t>(first + begin);
-    panel.width = static_cast<std::uint32_t>(end - begin);
-    panel.rows = static_cast<std::uint32_t>(rows + end);
-    panel.count = static_cast<std::uint32_t>(height - end);
-    panel.values = static_cast<std::size_t>(out - panels_.values.get());
-    panels_.panels.push_back(panel);
-    double* const next = out + NumbersOf(end - begin, height - end);
-    double* const below = PutInverse(block + begin * height + begin, height, end - begin, out);
-    std::size_t filled = end - begin;
-    if constexpr (kNumbers<Scalar> == 1) {
-      filled = Filled(filled);
-      std::fill(below, next, 0.0);
-      out += Diagonal(end - begin);
-    } else {
-      out = below;
-    }
-    for (std::size_t r = end; r < height; ++r) {
-      double* number = out;
-      for (std::size_t c = begin; c < end; ++c) number = Put(number, block[c * height + r]);
-      out += filled * kNumbers<Scalar>;
-    }
-  });
-  return out;
+void PackedFactor<Scalar>::PackPanel(const Panel& panel, const Scalar* block, std::size_t begin,
+                                     std::size_t height) {
+  const std::size_t width = panel.width, end = begin + width;
+  double* out = panels_.values.get() + panel.values;
+  double* const next = out + NumbersOf(width, height - end);
+  double* const below = PutInverse(block + begin * height + begin, height, width, out);
+  std::size_t filled = width;
+  if constexpr (kNumbers<Scalar> == 1) {
+    filled = Filled(width);
+    std::fill(below, next, 0.0);
+    out += Diagonal(width);
+  } else {
+    out = below;
+  }
+  for (std::size_t r = end; r < height; ++r) {
+    double* number = out;
+    for (std::size_t c = begin; c < end; ++c) number = Put(number, block[c * height + r]);
+    out += filled * kNumbers<Scalar>;
+  }
 }
 
 template <class Scalar>
-void PackedFactor<Scalar>::Cut(const Supernodes<Scalar>& l,
-                               std::span<const std::size_t> first_panel, std::size_t part_numbers) {
+void PackedFactor<Scalar>::Cut(const SupernodalPattern& l, std::span<const std::size_t> first_panel,
+                               std::size_t part_numbers) {
   const auto numbers = [&](const PanelRange& supernodes) {
     return static_cast<std::size_t>(l.values_begin[supernodes.end] -
                                     l.values_begin[supernodes.begin]);
@@ -206,7 +242,7 @@ void PackedFactor<Scalar>::Cut(const Supernodes<Scalar>& l,
 }
 
 template <class Scalar>
-void PackedFactor<Scalar>::AddPart(const Supernodes<Scalar>& l,
+void PackedFactor<Scalar>::AddPart(const SupernodalPattern& l,
                                    std::span<const std::size_t> first_panel,
                                    std::span<const PanelRange> subtrees) {
   PanelPart part;
@@ -345,7 +381,7 @@ template <class Scalar>
 std::size_t PackedFactor<Scalar>::bytes() const {
   return order_.size() * sizeof(int) + panels_.panels.size() * sizeof(Panel) +
          (panels_.rows.size() + panels_.copies) * sizeof(std::uint32_t) +
-         panels_.numbers * sizeof(double);
+         block_begin_.size() * sizeof(int) + allocated_ * sizeof(double);
 }
 
 template class PackedFactor<double>;

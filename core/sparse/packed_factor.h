@@ -6,25 +6,15 @@
 #include <complex>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "arap/base/crew.h"
 #include "core/sparse/packed_kernels.h"
+#include "core/sparse/supernodal.h"
 
 namespace arap {
-
-// L of P A Pᵀ = L Lᴴ as supernodal CHOLMOD has it. Supernode s has columns first[s]…first[s + 1]−1
-// and rows[rows_begin[s]]…; its own columns are the first of those. values[values_begin[s]]… is the
-// dense block, column by column.
-template <class Scalar>
-struct Supernodes {
-  std::span<const int> first, rows_begin, rows, values_begin;
-  const Scalar* values = nullptr;
-  std::span<const int> order;  // P: row k of the factor is row order[k] of A
-};
 
 // The points of a shape as a right-hand side, and where its solution goes; #n of each.
 struct PointSolve {
@@ -32,18 +22,26 @@ struct PointSolve {
   std::complex<double>* solution = nullptr;
 };
 
-// Scalar is double or std::complex<double>. Immutable: may be shared by threads, each with a
+// Scalar is double or std::complex<double>. Once packed it is immutable: may be shared by threads, each with a
 // scratch of its own.
 template <class Scalar>
 class PackedFactor {
  public:
-  // Tells from where on the numbers have been read for the last time.
-  using ReadFrom = std::function<void(const Scalar* begin)>;
+  // Lays the panels out and takes memory for them; they have no numbers yet. Above four times `part_numbers` the factor
+  // is cut into parts of at most so many numbers.
+  explicit PackedFactor(const SupernodalPattern& l, std::size_t part_numbers = kPartNumbers);
 
-  // `read_from` is called again and again, with less and less left, and may give memory back. Above four times
-  // `part_numbers` the factor is cut into parts of at most so many numbers.
-  explicit PackedFactor(const Supernodes<Scalar>& l, const ReadFrom& read_from = {},
-                        std::size_t part_numbers = kPartNumbers);
+  // Where L is to be written before Pack: the block of supernode s at blocks() + block_begin()[s]. They lie in the
+  // memory of the panels, the last one first, as Pack takes them: a factor is never there twice, and every page of it
+  // is asked for once.
+  std::span<const int> block_begin() const { return block_begin_; }
+  Scalar* blocks() { return reinterpret_cast<Scalar*>(panels_.values.get() + room_); }
+
+  // Makes panels of the blocks, which are lost. Can be repeated with new blocks.
+  void Pack(const SupernodalPattern& l);
+
+  // Gives back the memory that the blocks took beyond the panels, when there will be no others.
+  void GiveBackRoom();
 
   std::size_t size() const { return order_.size(); }
   std::span<const int> order() const { return order_; }
@@ -73,17 +71,22 @@ class PackedFactor {
   static void ForEachPanel(std::size_t width, Visit visit);
   static std::size_t NumbersOf(std::size_t width, std::size_t rows);  // of a panel
   double* Rows(std::span<double> scratch) const;                      // of Solve, aligned
-  double* Pack(const Supernodes<Scalar>& l, std::size_t supernode, double* out);
+  // Writes the numbers of a panel that begins at column `begin` of a block of so many rows.
+  void PackPanel(const Panel& panel, const Scalar* block, std::size_t begin, std::size_t height);
   // Finds the parts and the top, before rows are packed. `first_panel` is per supernode, and the number of panels.
-  void Cut(const Supernodes<Scalar>& l, std::span<const std::size_t> first_panel,
+  void Cut(const SupernodalPattern& l, std::span<const std::size_t> first_panel,
            std::size_t part_numbers);
-  void AddPart(const Supernodes<Scalar>& l, std::span<const std::size_t> first_panel,
+  void AddPart(const SupernodalPattern& l, std::span<const std::size_t> first_panel,
                std::span<const PanelRange> subtrees);
   // x := (L Lᴴ)⁻¹ x, with so many numbers to a row.
   void TakeThrough(PackedKernel kernel, std::size_t numbers, double* x, Crew* crew) const;
 
   std::vector<int> order_;
   PackedPanels panels_;
+  std::vector<int> block_begin_;
+  std::size_t room_ =
+      0;  // numbers before the first block, so that no panel reaches a block that is not packed
+  std::size_t allocated_ = 0;  // numbers
 };
 
 }  // namespace arap

@@ -80,8 +80,14 @@ struct GridFactor {
   }
   int At(int k) const { return order[static_cast<std::size_t>(k)]; }
   PackedFactor<Scalar> Pack(std::size_t part_numbers) const {
-    return PackedFactor<Scalar>({first, rows_begin, rows, values_begin, values.data(), order}, {},
-                                part_numbers);
+    const SupernodalPattern pattern{first, rows_begin, rows, values_begin, order};
+    PackedFactor<Scalar> packed(pattern, part_numbers);
+    for (std::size_t s = 0; s + 1 < first.size(); ++s) {
+      std::copy(values.begin() + values_begin[s], values.begin() + values_begin[s + 1],
+                packed.blocks() + packed.block_begin()[s]);
+    }
+    packed.Pack(pattern);
+    return packed;
   }
 };
 

@@ -75,7 +75,11 @@ struct HandMade {
     }
   }
   PackedFactor<Scalar> Pack() const {
-    return PackedFactor<Scalar>({first, rows_begin, rows, values_begin, l.data(), order});
+    const SupernodalPattern pattern{first, rows_begin, rows, values_begin, order};
+    PackedFactor<Scalar> packed(pattern);
+    std::copy_n(l.data(), size * size, packed.blocks() + packed.block_begin()[0]);
+    packed.Pack(pattern);
+    return packed;
   }
 };
 
