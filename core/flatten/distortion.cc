@@ -132,23 +132,26 @@ std::vector<std::uint32_t> WoundTwice(std::span<const Triangle> triangles,
                                       std::span<const Complex> uv,
                                       const std::vector<bool>& boundary,
                                       const std::vector<bool>& left_out) {
-  std::vector<double> around(uv.size(), 0);
+  // A turn around a vertex passes once from below its height to above it, within one of its triangles.
+  std::vector<std::uint32_t> turns(uv.size(), 0);
   std::vector<bool> open = boundary;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const bool counts = left_out.empty() || !left_out[t];
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = triangles[t][k];
-      if (!left_out.empty() && left_out[t]) {
+      if (!counts) {
         open[v] = true;
         continue;
       }
-      const Complex u = uv[triangles[t][(k + 1) % 3]] - uv[v];
-      const Complex w = uv[triangles[t][(k + 2) % 3]] - uv[v];
-      around[v] += std::arg(std::conj(u) * w);
+      const double height = uv[v].imag();
+      const double first = uv[triangles[t][(k + 1) % 3]].imag();
+      const double second = uv[triangles[t][(k + 2) % 3]].imag();
+      if (first < height && second >= height) ++turns[v];
     }
   }
   std::vector<std::uint32_t> result;
   for (std::uint32_t v = 0; v < uv.size(); ++v) {
-    if (!open[v] && around[v] > 3 * std::numbers::pi) result.push_back(v);
+    if (!open[v] && turns[v] > 1) result.push_back(v);
   }
   return result;
 }

@@ -6,8 +6,8 @@
 #include <memory>
 #include <utility>
 
+#include "core/base/lanes.h"
 #include "core/base/try.h"
-#include "core/flatten/distortion.h"
 #include "core/flatten/injective/dirichlet.h"
 #include "core/flatten/injective/newton_descent.h"
 
@@ -18,30 +18,60 @@ constexpr int kLittleSteps = 2;  // steps in a row that have to bring little
 // The stiffness matrix does not feel translations; this share of the diagonal makes it definite.
 constexpr double kStiffnessShift = 1e-9;
 // What a new matrix costs, in steps.
-constexpr double kRenewal = 80;
+constexpr double kRenewal = 40;
 
-// Points are x…, y….
-using FlatPoint = std::vector<double>;
-ConstShapeView Seen(const FlatPoint& point) {
-  return {point.data(), point.data() + point.size() / 2};
+using Points = std::vector<Complex>;
+
+// A complex number is two doubles in a row, says the standard.
+const double* NumbersIn(const Points& points) {
+  return reinterpret_cast<const double*>(points.data());
 }
-ShapeView Edited(FlatPoint& point) { return {point.data(), point.data() + point.size() / 2}; }
 
-double Product(const FlatPoint& a, const FlatPoint& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
+// Scalar products of the pull and of what has gone of it in the last step, with the direction of the
+// matrix and with the last one that was taken.
+struct Products {
+  double pull_plain, gone_plain, gone_along, pull_along;
+};
+
+Products ProductsOf(const Points& pull, const Points& last_pull, const Points& plain,
+                    const Points& along) {
+  // In eight parts, which do not wait for one another.
+  constexpr std::size_t kParts = 8;
+  using Eight = Lanes<kParts>;
+  const double *p = NumbersIn(pull), *l = NumbersIn(last_pull);
+  const double *d = NumbersIn(plain), *a = NumbersIn(along);
+  const std::size_t count = 2 * pull.size();
+  Eight pull_plain{}, gone_plain{}, gone_along{}, pull_along{};
+  std::size_t i = 0;
+  for (; i + kParts <= count; i += kParts) {
+    const Eight now = *reinterpret_cast<const Eight*>(p + i);
+    const Eight gone = *reinterpret_cast<const Eight*>(l + i) - now;
+    const Eight own = *reinterpret_cast<const Eight*>(d + i);
+    const Eight last = *reinterpret_cast<const Eight*>(a + i);
+    pull_plain += now * own;
+    gone_plain += gone * own;
+    gone_along += gone * last;
+    pull_along += now * last;
+  }
+  for (std::size_t k = 0; i < count; ++i, ++k) {
+    const double gone = l[i] - p[i];
+    pull_plain[k] += p[i] * d[i];
+    gone_plain[k] += gone * d[i];
+    gone_along[k] += gone * a[i];
+    pull_along[k] += p[i] * a[i];
+  }
+  const auto sum = [](const Eight& parts) {
+    return ((parts[0] + parts[4]) + (parts[2] + parts[6])) +
+           ((parts[1] + parts[5]) + (parts[3] + parts[7]));
+  };
+  return {sum(pull_plain), sum(gone_plain), sum(gone_along), sum(pull_along)};
 }
 
 class Gradients {
  public:
-  Gradients(const SurfaceMesh& mesh, const GradientsOptions& options, std::vector<Complex>& uv)
-      : mesh_(mesh), options_(options), passes_(mesh, options.left_out), uv_(uv), n_(uv.size()) {
-    for (FlatPoint* p : {&point_, &next_, &pull_, &next_pull_, &plain_, &along_}) p->resize(2 * n_);
-    for (std::size_t v = 0; v < n_; ++v) {
-      point_[v] = uv[v].real();
-      point_[n_ + v] = uv[v].imag();
-    }
+  Gradients(const SurfaceMesh& mesh, const GradientsOptions& options, Points& uv)
+      : options_(options), passes_(mesh, options.left_out), point_(uv), n_(uv.size()) {
+    for (Points* p : {&next_, &pull_, &next_pull_, &plain_, &along_}) p->resize(n_);
   }
 
   Result<GradientsResult> Run(const CancelToken& cancel) {
@@ -50,14 +80,14 @@ class Gradients {
     double renewed = energy;  // what the energy was then, and the steps since
     int age = 0;
     // A matrix that cannot be factored is no reason to give up: there are better steps than these.
-    bool factored = !(energy > kExactLayout) || Renew(nullptr, result.times).has_value();
+    bool factored = !(energy > kExactLayout) || Renew({}, result.times).has_value();
     for (int little = 0; factored && result.iterations < options_.max_iterations;) {
       if (energy <= kExactLayout || little == kLittleSteps) {
         result.converged = true;
         break;
       }
       CHECK_OK(cancel.Check());
-      CHECK_OK(Turn());
+      Turn();
       const double before = energy;
       if (!Advance(energy)) {
         if (fresh_) break;  // rounding, or the descent is not for this layout
@@ -69,17 +99,15 @@ class Gradients {
       little = fall <= options_.stop * before ? little + 1 : 0;
       // A step that brings less than the mean of those with this matrix, itself included.
       if (age < 2 || fall * (kRenewal + age) >= renewed - energy) continue;
-      const ConstShapeView layout = Seen(point_);
-      factored = Renew(&layout, result.times).has_value();
+      factored = Renew(point_, result.times).has_value();
       renewed = energy, age = 0;
     }
-    for (std::size_t v = 0; v < n_; ++v) uv_[v] = {point_[v], point_[n_ + v]};
     return result;
   }
 
  private:
   // Factors the stiffness matrix of an isometry, or of `layout`.
-  Status Renew(const ConstShapeView* layout, FactorTimes& times) {
+  Status Renew(std::span<const Complex> layout, FactorTimes& times) {
     if (!factor_) {
       lower_ = passes_.Pattern(n_);
       TRY(factor_, Factor<double>::Analyse(lower_, FactorLayout::kPacked));
@@ -114,62 +142,50 @@ class Gradients {
   }
 
   // −∇E in `pull`, 0 at hard pins.
-  double Pull(const FlatPoint& at, FlatPoint& pull) const {
-    double energy = passes_.Pull(Seen(at), Edited(pull), n_);
+  double Pull(const Points& at, Points& pull) const {
+    double energy = passes_.Pull(at, pull);
     for (const LayoutPin& pin : options_.pins) {
-      double &x = pull[pin.vertex], &y = pull[n_ + pin.vertex];
       if (std::isinf(pin.weight)) {
-        x = y = 0;
+        pull[pin.vertex] = 0;
         continue;
       }
-      const Complex miss = Complex(at[pin.vertex], at[n_ + pin.vertex]) - pin.uv;
+      const Complex miss = at[pin.vertex] - pin.uv;
       energy += pin.weight * std::norm(miss);
-      x -= 2 * pin.weight * miss.real();
-      y -= 2 * pin.weight * miss.imag();
+      pull[pin.vertex] -= 2 * pin.weight * miss;
     }
     return energy;
   }
 
   // Makes the next direction, along which the energy falls.
-  Status Turn() {
-    TRY(const auto solution, factor_->Solve(pull_, 2, workspace_));
-    std::copy(solution.begin(), solution.end(), plain_.begin());
-    const double plain_slope = Product(pull_, plain_);
+  void Turn() {
+    const std::span<const Complex> plain = factor_->SolvePoints(pull_, 1, workspace_);
+    std::copy(plain.begin(), plain.end(), plain_.begin());
+    // next_pull_ is the pull before the last step.
+    const Products products = ProductsOf(pull_, next_pull_, plain_, along_);
     double keep = 0;
-    if (!fresh_) {
-      // next_pull_ is the pull before the last step.
-      double turned = 0, bent = 0;
-      for (std::size_t i = 0; i < pull_.size(); ++i) {
-        const double change = next_pull_[i] - pull_[i];
-        turned -= change * plain_[i];
-        bent += change * along_[i];
-      }
-      if (bent > 0) keep = std::max(0.0, std::min(turned, plain_slope) / bent);
+    if (!fresh_ && products.gone_along > 0) {
+      const double turned = std::min(-products.gone_plain, products.pull_plain);
+      keep = std::max(0.0, turned / products.gone_along);
     }
-    for (std::size_t i = 0; i < along_.size(); ++i) along_[i] = plain_[i] + keep * along_[i];
-    slope_ = Product(pull_, along_);
-    if (!(slope_ > 0)) {
-      along_ = plain_;
-      slope_ = plain_slope;
-    }
-    return {};
+    slope_ = products.pull_plain + keep * products.pull_along;
+    if (!(slope_ > 0)) keep = 0, slope_ = products.pull_plain;
+    for (std::size_t v = 0; v < n_; ++v) along_[v] = plain_[v] + keep * along_[v];
   }
 
-  // A step that lowers the energy; false when there is none.
+  // A step that lowers the energy through upright layouts; false when there is none.
   bool Advance(double& energy) {
-    const auto [limit, bend] = passes_.Look(Seen(point_), Seen(along_));
+    const auto [limit, bend] = passes_.Look(point_, along_);
     double curvature = bend;
     for (const LayoutPin& pin : options_.pins) {
       if (std::isinf(pin.weight)) continue;
-      const double x = along_[pin.vertex], y = along_[n_ + pin.vertex];
-      curvature += 2 * pin.weight * (x * x + y * y);
+      curvature += 2 * pin.weight * std::norm(along_[pin.vertex]);
     }
     double step = curvature > 0 ? slope_ / curvature : 1;
     step = std::min({step, kBeforeCollapse * limit, kLargestStep});
     for (; step > kLeastStep; step /= 2) {
-      for (std::size_t i = 0; i < next_.size(); ++i) next_[i] = point_[i] + step * along_[i];
+      for (std::size_t v = 0; v < n_; ++v) next_[v] = point_[v] + step * along_[v];
       const double after = Pull(next_, next_pull_);
-      if (!(after < energy && after <= energy - kArmijo * step * slope_) || !IsUpright()) continue;
+      if (!(after < energy && after <= energy - kArmijo * step * slope_)) continue;
       energy = after;
       point_.swap(next_);
       pull_.swap(next_pull_);
@@ -179,24 +195,17 @@ class Gradients {
     return false;
   }
 
-  // Whether no triangle of the next point is flipped, by more than rounding.
-  bool IsUpright() {
-    for (std::size_t v = 0; v < n_; ++v) uv_[v] = {next_[v], next_[n_ + v]};
-    return NotUpright(mesh_.triangles, uv_, options_.left_out).empty();
-  }
-
-  const SurfaceMesh& mesh_;
   const GradientsOptions& options_;
   DirichletPasses passes_;
-  std::vector<Complex>& uv_;
+  Points& point_;
   const std::size_t n_;
   Eigen::SparseMatrix<double> lower_;
   std::unique_ptr<Factor<double>> factor_;
   Workspace workspace_;
-  FlatPoint point_, next_, pull_, next_pull_;
-  FlatPoint plain_, along_;  // the direction of the matrix alone, and the one that is taken
-  double slope_ = 0;         // by which the energy falls along it
-  bool fresh_ = true;        // there is no last direction
+  Points next_, pull_, next_pull_;
+  Points plain_, along_;  // the direction of the matrix alone, and the one that is taken
+  double slope_ = 0;      // by which the energy falls along it
+  bool fresh_ = true;     // there is no last direction
 };
 
 }  // namespace

@@ -116,12 +116,13 @@ Newton Newton::Make(const SurfaceMesh& mesh, std::span<const LayoutPin> pins,
   Newton newton;
   const std::size_t n = mesh.vertices.size();
   double total = 0;
+  newton.elements_.reserve(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!left_out.empty() && left_out[t]) continue;
     const auto rest = LayFlat(mesh, mesh.triangles[t]);
     const double l = rest[1].real(), h = rest[2].imag();
     const Complex d(0, -2 * l * h);
-    Element element{mesh.triangles[t], {}, 0.5 * l * h, {}};
+    Element element{mesh.triangles[t], {}, 0.5 * l * h};
     element.w[1] = std::conj(rest[2]) / d;
     element.w[2] = -l / d;
     element.w[0] = -(element.w[1] + element.w[2]);
@@ -168,10 +169,12 @@ void Newton::MakePattern(std::size_t vertices) {
     return static_cast<int>(std::lower_bound(inner + begin[low], inner + begin[low + 1], high) -
                             inner);
   };
-  for (Element& e : elements_) {
+  slots_.resize(elements_.size());
+  for (std::size_t t = 0; t < elements_.size(); ++t) {
+    const Element& e = elements_[t];
     std::size_t k = 0;
     for (std::size_t i = 0; i < 6; ++i) {
-      for (std::size_t j = 0; j <= i; ++j) e.slots[k++] = slot(row(e, i), row(e, j));
+      for (std::size_t j = 0; j <= i; ++j) slots_[t][k++] = slot(row(e, i), row(e, j));
     }
   }
   diagonal_.resize(2 * vertices);
@@ -224,7 +227,8 @@ double Newton::LeastDeterminant(std::span<const Complex> uv) const {
   return least;
 }
 
-void Newton::Add(const Element& e, std::span<const Complex> uv, double epsilon) {
+void Newton::Add(const Element& e, const Slots& slots, std::span<const Complex> uv,
+                 double epsilon) {
   const Map map = MapOf(e.corner, e.w, uv);
   Density d = epsilon > 0 ? UntanglingDensity(map.a, map.b, epsilon)
                           : SymmetricDirichletDensity(map.a, map.b);
@@ -252,7 +256,7 @@ void Newton::Add(const Element& e, std::span<const Complex> uv, double epsilon) 
     const double x = aa * a[i] + ab * b[i], y = ab * a[i] + bb * b[i];
     const double z = tt * twist[i], s = ss * shear[i];
     for (std::size_t j = 0; j <= i; ++j) {
-      values[e.slots[slot++]] += x * a[j] + y * b[j] + z * twist[j] + s * shear[j];
+      values[slots[slot++]] += x * a[j] + y * b[j] + z * twist[j] + s * shear[j];
     }
   }
 }
@@ -266,7 +270,7 @@ Result<Newton::Step> Newton::Direction(std::span<const Complex> uv, double epsil
   std::fill(gradient_.begin(), gradient_.end(), 0.0);
   double* values = hessian_.valuePtr();
   std::fill(values, values + hessian_.nonZeros(), 0.0);
-  for (const Element& e : elements_) Add(e, uv, epsilon);
+  for (std::size_t t = 0; t < elements_.size(); ++t) Add(elements_[t], slots_[t], uv, epsilon);
   for (const LayoutPin& pin : soft_) {
     const Complex pull = 2 * pin.weight * (uv[pin.vertex] - pin.uv);
     gradient_[2 * pin.vertex] += pull.real();

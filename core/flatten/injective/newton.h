@@ -90,15 +90,17 @@ class Newton {
   struct Element {
     std::array<std::uint32_t, 3> corner{};
     std::array<Complex, 3> w{};
-    double area = 0;              // share of the whole
-    std::array<int, 21> slots{};  // where its 6×6 lower triangle goes among the Hessian's values
+    double area = 0;  // share of the whole
   };
+  // Where the 6×6 lower triangle of one goes among the Hessian's values.
+  using Slots = std::array<int, 21>;
 
   Newton() = default;
   void MakePattern(std::size_t vertices);
-  void Add(const Element& element, std::span<const Complex> uv, double epsilon);
+  void Add(const Element& element, const Slots& slots, std::span<const Complex> uv, double epsilon);
 
   std::vector<Element> elements_;
+  std::vector<Slots> slots_;  // of the elements, once the pattern is made
   std::vector<LayoutPin> soft_;
   std::vector<bool> fixed_;  // #V
   Eigen::SparseMatrix<double> hessian_;

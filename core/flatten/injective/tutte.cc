@@ -8,6 +8,7 @@
 #include "core/flatten/distortion.h"
 #include "core/mesh/space.h"
 #include "core/sparse/factor.h"
+#include "core/sparse/lower_sum.h"
 
 namespace arap {
 namespace {
@@ -81,32 +82,29 @@ Result<std::vector<Complex>> TutteEmbedding(const SurfaceMesh& mesh,
   OnCircle(mesh, loops[0], uv);
   std::vector<bool> known(n, false);
   for (const std::uint32_t v : loops[0]) known[v] = true;
-  std::vector<bool> touched(n, false);
+  // Nothing holds a vertex whose triangles are all left out: it stays at 0.
+  std::vector<bool> fixed(n, true);
+  for (const Spring& s : springs) fixed[s.a] = fixed[s.b] = false;
+  for (const std::uint32_t v : loops[0]) fixed[v] = true;
   std::vector<double> right(2 * n, 0);
-  std::vector<Eigen::Triplet<double, int>> entries;
-  entries.reserve(3 * springs.size() + n);
+  LowerSum<double> sum(fixed);
+  for (const Spring& s : springs) sum.Count(s.a, s.b);
+  sum.EndOfCounting();
   for (const Spring& s : springs) {
-    const int a = static_cast<int>(s.a), b = static_cast<int>(s.b);
-    touched[s.a] = touched[s.b] = true;
-    if (!known[s.a]) entries.emplace_back(a, a, s.weight);
-    if (!known[s.b]) entries.emplace_back(b, b, s.weight);
-    if (!known[s.a] && !known[s.b]) {
-      entries.emplace_back(std::max(a, b), std::min(a, b), -s.weight);
-    } else if (known[s.a] != known[s.b]) {
-      const std::uint32_t free = known[s.a] ? s.b : s.a, held = known[s.a] ? s.a : s.b;
-      right[free] += s.weight * uv[held].real();
-      right[n + free] += s.weight * uv[held].imag();
-    }
+    sum.Add(s.a, s.a, s.weight);
+    sum.Add(s.b, s.b, s.weight);
+    sum.Add(std::max(s.a, s.b), std::min(s.a, s.b), -s.weight);
+    if (fixed[s.a] == fixed[s.b]) continue;
+    const std::uint32_t free = fixed[s.a] ? s.b : s.a, held = fixed[s.a] ? s.a : s.b;
+    right[free] += s.weight * uv[held].real();
+    right[n + free] += s.weight * uv[held].imag();
   }
   for (std::size_t v = 0; v < n; ++v) {
-    if (touched[v] && !known[v]) continue;
-    entries.emplace_back(static_cast<int>(v), static_cast<int>(v), 1.0);
+    if (!fixed[v]) continue;
     right[v] = uv[v].real();
     right[n + v] = uv[v].imag();
   }
-  Eigen::SparseMatrix<double> lower(static_cast<int>(n), static_cast<int>(n));
-  lower.setFromTriplets(entries.begin(), entries.end());
-  TRY(const auto factor, Factor<double>::Make(lower, FactorLayout::kSimplicial));
+  TRY(const auto factor, Factor<double>::Make(sum.Take(), FactorLayout::kSupernodal));
   Workspace workspace;
   TRY(const auto solution, factor->Solve(right, 2, workspace));
   uv.resize(vertices);

@@ -14,24 +14,17 @@
 #include "core/flatten/injective/patches.h"
 #include "core/flatten/injective/tutte.h"
 #include "tests/core/flatten/injective_fixture.h"
+#include "tests/support/meshes.h"
 #include "tests/support/must.h"
 
 namespace arap::testing {
 namespace {
 
-struct Columns {
-  explicit Columns(const std::vector<Complex>& points) {
-    for (const Complex p : points) x.push_back(p.real()), y.push_back(p.imag());
-  }
-  ConstShapeView View() const { return {x.data(), y.data()}; }
-  ShapeView Edit() { return {x.data(), y.data()}; }
-  double Dot(const Columns& other) const {
-    double sum = 0;
-    for (std::size_t v = 0; v < x.size(); ++v) sum += x[v] * other.x[v] + y[v] * other.y[v];
-    return sum;
-  }
-  std::vector<double> x, y;
-};
+double Dot(const std::vector<Complex>& a, const std::vector<Complex>& b) {
+  double sum = 0;
+  for (std::size_t v = 0; v < a.size(); ++v) sum += (std::conj(a[v]) * b[v]).real();
+  return sum;
+}
 
 std::vector<Complex> Start(const SurfaceMesh& mesh) {
   auto uv = Must(TutteEmbedding(mesh, WalkLoops(mesh), TutteWeights::kUniform));
@@ -51,46 +44,107 @@ TEST(DirichletPassesTest, AgreeWithNewtonAndWithDifferences) {
   const std::vector<Complex> uv = Start(cap);
   const DirichletPasses passes(cap, {});
   Newton newton = Newton::Make(cap, {}, {});
-  Columns pull(uv);
-  const double energy = passes.Pull(Columns(uv).View(), pull.Edit(), n);
+  std::vector<Complex> pull(n);
+  const double energy = passes.Pull(uv, pull);
   EXPECT_NEAR(energy, newton.Energy(uv, 0), 1e-12 * energy);
   const auto step = Must(newton.Direction(uv, 0));
   const std::vector<Complex> move(step.move.begin(), step.move.end());
-  EXPECT_NEAR(pull.Dot(Columns(move)), -step.slope, 1e-9 * std::abs(step.slope));
-  const auto ahead = passes.Look(Columns(uv).View(), Columns(move).View());
+  EXPECT_NEAR(Dot(pull, move), -step.slope, 1e-9 * std::abs(step.slope));
+  const auto ahead = passes.Look(uv, move);
   EXPECT_NEAR(ahead.limit, newton.Limit(uv, move), 1e-9 * ahead.limit);
   const auto noise = Noise(n, 1e-3, 5);
   constexpr double kStep = 1e-4;
-  Columns before(uv), after(uv);
-  passes.Pull(Columns(Plus(uv, -kStep, noise)).View(), before.Edit(), n);
-  passes.Pull(Columns(Plus(uv, kStep, noise)).View(), after.Edit(), n);
-  const Columns along(noise);
-  const double curvature = (before.Dot(along) - after.Dot(along)) / (2 * kStep);
-  EXPECT_NEAR(passes.Look(Columns(uv).View(), along.View()).curvature, curvature,
-              1e-5 * std::abs(curvature));
+  std::vector<Complex> before(n), after(n);
+  passes.Pull(Plus(uv, -kStep, noise), before);
+  passes.Pull(Plus(uv, kStep, noise), after);
+  const double curvature = (Dot(before, noise) - Dot(after, noise)) / (2 * kStep);
+  EXPECT_NEAR(passes.Look(uv, noise).curvature, curvature, 1e-5 * std::abs(curvature));
 }
 
 TEST(DirichletPassesTest, AFlipCostsWithoutEnd) {
   const SurfaceMesh cap = Cap(4, 8, 0.5);
-  std::vector<Complex> uv = Start(cap);
+  std::vector<Complex> uv = Start(cap), pull(uv.size());
+  EXPECT_TRUE(std::isfinite(DirichletPasses(cap, {}).Pull(uv, pull)));
+  // So does a triangle that is upright by no more than rounding, wherever it is in its block.
+  for (std::size_t t = 0; t < cap.triangles.size(); ++t) {
+    std::vector<Complex> flat = uv;
+    const auto& [a, b, c] = cap.triangles[t];
+    flat[a] = 0.5 * (uv[b] + uv[c]);
+    const bool upright = NotUpright(cap.triangles, flat).empty();
+    EXPECT_EQ(std::isinf(DirichletPasses(cap, {}).Pull(flat, pull)), !upright) << t;
+  }
   for (Complex& z : uv) z = std::conj(z);
-  Columns pull(uv);
-  const double energy = DirichletPasses(cap, {}).Pull(Columns(uv).View(), pull.Edit(), uv.size());
-  EXPECT_TRUE(std::isinf(energy));
+  EXPECT_TRUE(std::isinf(DirichletPasses(cap, {}).Pull(uv, pull)));
 }
 
-TEST(DirichletPassesTest, PlainAndWideGiveTheSameBytes) {
-  const SurfaceMesh cap = Cap(10, 20, 0.9);
-  const std::size_t n = cap.vertices.size();
-  const Columns at(Start(cap)), along(Noise(n, 1e-2, 7));
-  const DirichletPasses plain(cap, {}, false), best(cap, {});
-  Columns one = at, two = at;
-  EXPECT_EQ(plain.Pull(at.View(), one.Edit(), n), best.Pull(at.View(), two.Edit(), n));
-  EXPECT_EQ(one.x, two.x);
-  EXPECT_EQ(one.y, two.y);
-  const auto a = plain.Look(at.View(), along.View()), b = best.Look(at.View(), along.View());
-  EXPECT_EQ(a.limit, b.limit);
-  EXPECT_EQ(a.curvature, b.curvature);
+TEST(DirichletPassesTest, NothingCancelsNearAnIsometry) {
+  // Lengths of a flat surface that grow by a part of 1e-7: of the energy of 4 each triangle has 8e-14
+  // more, which 4 − 4 would lose.
+  const PlanarMesh square = Grid(6, 6, 1, 1);
+  SurfaceMesh flat;
+  for (const Complex p : square.vertices) flat.vertices.push_back({p.real(), p.imag(), 0});
+  flat.triangles = square.triangles;
+  std::vector<Complex> uv = square.vertices, pull(uv.size());
+  const DirichletPasses passes(flat, {});
+  EXPECT_LT(passes.Pull(uv, pull), 1e-28);
+  for (Complex& z : uv) z *= 1 + 1e-7;
+  EXPECT_NEAR(passes.Pull(uv, pull), 8e-14, 1e-19);
+}
+
+TEST(DirichletPassesTest, AllMachineCodesGiveTheSameBytes) {
+  for (const std::size_t sectors : {7u, 20u}) {
+    const SurfaceMesh cap = Cap(10, sectors, 0.9);
+    const std::size_t n = cap.vertices.size();
+    const std::vector<Complex> uv = Start(cap), along = Noise(n, 1e-2, 7);
+    const DirichletPasses plain(cap, {}, DirichletKernelsHere().front());
+    std::vector<Complex> wanted(n), pull(n);
+    const double energy = plain.Pull(uv, wanted);
+    const auto ahead = plain.Look(uv, along);
+    for (const DirichletKernels& kernels : DirichletKernelsHere()) {
+      const DirichletPasses passes(cap, {}, kernels);
+      EXPECT_EQ(passes.Pull(uv, pull), energy);
+      EXPECT_EQ(pull, wanted);
+      EXPECT_EQ(passes.Look(uv, along).limit, ahead.limit);
+      EXPECT_EQ(passes.Look(uv, along).curvature, ahead.curvature);
+    }
+  }
+}
+
+TEST(DirichletPassesTest, TheMatrixKnowsInWhichDirectionATriangleIsStretched) {
+  const PlanarMesh square = Grid(4, 4, 1, 1);
+  SurfaceMesh flat;
+  for (const Complex p : square.vertices) flat.vertices.push_back({p.real(), p.imag(), 0});
+  flat.triangles = square.triangles;
+  DirichletPasses passes(flat, {});
+  const std::size_t n = flat.vertices.size();
+  auto lower = passes.Pattern(n);
+  const auto bend = [&](const std::vector<Complex>& move) {
+    double sum = 0;
+    for (int j = 0; j < lower.outerSize(); ++j) {
+      for (Eigen::SparseMatrix<double>::InnerIterator it(lower, j); it; ++it) {
+        const auto a = static_cast<std::size_t>(it.row()), b = static_cast<std::size_t>(j);
+        sum += (a == b ? 1 : 2) * it.value() * (std::conj(move[a]) * move[b]).real();
+      }
+    }
+    return sum;
+  };
+  std::vector<Complex> uv = square.vertices, wide(n), high(n), across(n);
+  for (std::size_t v = 0; v < n; ++v) {
+    wide[v] = square.vertices[v].real();
+    high[v] = Complex(0, square.vertices[v].imag());
+    across[v] = Complex(0, square.vertices[v].real());
+    uv[v] = Complex(2 * uv[v].real(), 0.5 * uv[v].imag());
+  }
+  passes.Fill(uv, lower);
+  // s1 = 2, s2 = 1/2: second derivatives of 2 + 6/16 and 2 + 6·16 along them; across them a quarter of the
+  // shear, 4 (1 + 5.25), and of the twist, which is negative.
+  const double turned = 0.25 * 25;
+  EXPECT_NEAR(bend(wide), 0.5 * (2.375 + turned), 1e-12);
+  EXPECT_NEAR(bend(across), bend(wide), 1e-12);
+  EXPECT_NEAR(bend(high), 0.5 * (98 + turned), 1e-11);
+  passes.Fill({}, lower);
+  EXPECT_NEAR(bend(wide), 6, 1e-12);
+  EXPECT_NEAR(bend(high), 6, 1e-12);
 }
 
 TEST(GradientsTest, EndWhereNewtonEnds) {

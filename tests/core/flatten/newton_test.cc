@@ -145,6 +145,10 @@ TEST(UprightTest, SeesAVertexThatIsWoundTwice) {
     for (int k = 0; k < 12; ++k) uv.push_back(std::polar(1.0, turns * k * std::numbers::pi / 6));
     EXPECT_TRUE(NotUpright(fan, uv).empty());
     EXPECT_EQ(WoundTwice(fan, uv, boundary).size(), turns == 1 ? 0u : 1u);
+    // Neighbours that lie exactly beside it are above it.
+    for (Complex& z : uv) z = {std::round(4 * z.real()), std::round(4 * z.imag())};
+    EXPECT_TRUE(NotUpright(fan, uv).empty());
+    EXPECT_EQ(WoundTwice(fan, uv, boundary).size(), turns == 1 ? 0u : 1u);
   }
 }
 
