@@ -46,7 +46,7 @@ ARAP_WIDE_BODY void GatherPoints(const double* points, const std::int32_t* at, s
 template <std::size_t kLanes>
 ARAP_WIDE_BODY void PullKernel(const DirichletTable& table, std::size_t begin, std::size_t count,
                                const double* v, CornerPulls& out) {
-  CornersOf c;
+  CornersOf c;  // NOLINT(*-member-init): written before it is read
   GatherPoints<kLanes>(v, table.v0.data() + begin, count, c.x0.data(), c.y0.data());
   GatherPoints<kLanes>(v, table.v1.data() + begin, count, c.x1.data(), c.y1.data());
   GatherPoints<kLanes>(v, table.v2.data() + begin, count, c.x2.data(), c.y2.data());
@@ -94,8 +94,8 @@ template <std::size_t kLanes>
 ARAP_WIDE_BODY void LookKernel(const DirichletTable& table, std::size_t begin, std::size_t count,
                                const double* v, const double* d, double& nearest,
                                double& curvature) {
-  EdgesAhead e;
-  KernelColumn inverse_limit, curvatures;
+  EdgesAhead e;                            // NOLINT(*-member-init): likewise
+  KernelColumn inverse_limit, curvatures;  // NOLINT(*-member-init): likewise
   GatherEdges<kLanes, 1, PointsBy::kNumber>(
       v, table.v0.data() + begin, {table.v1.data() + begin, table.v2.data() + begin}, count,
       {e.f1x.data(), e.f2x.data()}, {e.f1y.data(), e.f2y.data()});
@@ -134,10 +134,12 @@ ARAP_WIDE_BODY void LookKernel(const DirichletTable& table, std::size_t begin, s
   curvature = SumOf(curvatures.data(), count);
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): these are no expressions
 #define ARAP_DIRICHLET_TWINS(name, parameters, arguments) \
   void name##Plain parameters { name<2> arguments; }      \
   ARAP_WIDE(name<4>, name##Wide, parameters, arguments)   \
   ARAP_WIDEST(name<8>, name##Widest, parameters, arguments)
+// NOLINTEND(bugprone-macro-parentheses)
 ARAP_DIRICHLET_TWINS(PullKernel,
                      (const DirichletTable& table, std::size_t begin, std::size_t count,
                       const double* v, CornerPulls& out),
@@ -170,8 +172,8 @@ std::span<const DirichletKernels> DirichletKernelsHere() {
   static constexpr DirichletKernels kAll[] = {{PullKernelPlain, LookKernelPlain},
                                               {PullKernelWide, LookKernelWide},
                                               {PullKernelWidest, LookKernelWidest}};
-  static const std::size_t have = HasWide() ? HasWidest() ? 3 : 2 : 1;
-  return std::span(kAll).first(have);
+  static const std::size_t kHave = HasWide() ? HasWidest() ? 3 : 2 : 1;
+  return std::span(kAll).first(kHave);
 }
 
 DirichletPasses::DirichletPasses(const SurfaceMesh& mesh, const std::vector<bool>& left_out,
