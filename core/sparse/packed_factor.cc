@@ -62,15 +62,18 @@ double* AllocateNumbers(std::size_t count) {
   return static_cast<double*>(memory);
 }
 
-// Of `allocated` numbers the first `kept`, and what shares pages with them, stay; returns how many do.
+// Of `allocated` numbers the first `kept`, and what shares pages with them, stay. Returns how many do at
+// most: the same number wherever the memory lies, as budgets and reports count it.
 std::size_t KeepNumbers(double* numbers, std::size_t kept, std::size_t allocated) {
   constexpr std::uintptr_t kPage = 4096, kLeast = 16 * kPage;
+  // Beside the pages between are parts of one at either end.
+  constexpr std::size_t kEnds = 2 * kPage / sizeof(double);
+  if ((allocated - kept) * sizeof(double) < kLeast + 2 * kPage) return allocated;
   const auto start = reinterpret_cast<std::uintptr_t>(numbers);
   const std::uintptr_t from = (start + kept * sizeof(double) + kPage - 1) / kPage * kPage,
                        to = (start + allocated * sizeof(double)) / kPage * kPage;
-  if (from + kLeast > to) return allocated;
   if (madvise(reinterpret_cast<void*>(from), to - from, MADV_DONTNEED) != 0) return allocated;
-  return allocated - (to - from) / sizeof(double);
+  return kept + kEnds;
 }
 
 // Whole subtrees of at most `most` numbers, as ranges of supernodes, ascending; what is in none of them is above them
