@@ -11,24 +11,28 @@
 namespace arap {
 namespace {
 
-// What was measured, in milliseconds per vertex, byte or row; docs/operations.md says where.
-constexpr double kSolveByte = 0.35e-6;     // one pass over a factor that no cache holds
-constexpr double kResponseByte = 0.09e-6;  // a sparse right-hand side among others, both factors
-constexpr double kStepVertex = 45e-6;      // a rigid step beside its solve
-constexpr double kFrameVertex = 40e-6;     // targets, step 1 beside its rows, measures
-constexpr double kColumnNumber = 0.5e-6;   // a number of a response, added to a shape
-constexpr double kRow = 60e-6;             // a row of a frame: its target, its error
-constexpr double kDepthVertex = 2e-6;      // a vertex in the cone of one handle
-constexpr double kBoxTriangle = 20e-6;     // a triangle put into boxes
-constexpr double kPick = 1.4e-3;
-constexpr double kDenseOperation = 0.15e-6;  // of a factorisation of a dense matrix, cubed
-constexpr double kDirect = 0.85;            // of a registration: mesh and handles factored together
+// What was measured, in milliseconds per vertex, byte or row, and a fifth more, as a busy machine has
+// less of its caches; docs/operations.md says where.
+constexpr double kSolveByte = 0.18e-6;      // one pass over a factor that no cache holds
+constexpr double kResponseByte = 0.035e-6;  // a sparse right-hand side among others, both factors
+constexpr double kResponseVertex = 20e-6;   // and its place among the responses
+constexpr double kFrameVertex = 4e-6;       // a frame beside its steps and measures
+constexpr double kColumnNumber = 0.4e-6;    // a number of a response, added to a shape
+constexpr double kRow = 60e-6;              // a row of a frame: its target, its error
+constexpr double kInsideNumber = 4e-6;      // of the square that hard rows inside triangles have
+constexpr double kDepthVertex = 2e-6;       // a vertex in the cone of one handle
+constexpr double kBoxTriangle = 22e-6;      // a triangle put into boxes
+constexpr double kPick = 0.6e-3;
+constexpr double kDenseOperation = 0.12e-6;  // of a factorisation of a dense matrix, cubed
+constexpr double kDirect = 0.9;             // of a registration: mesh and handles factored together
 constexpr std::size_t kSmallest = 200'000;  // bytes of a registration of almost nothing
-constexpr double kCache = 6e6;              // bytes of a factor that are near the processor
+constexpr double kCache = 30e6;             // bytes of a factor that are near the processor
 
-// Registration of n vertices: n·(vertex + root·√n) ms, n·(bytes + logarithm·log2 n) bytes.
+// Registration of n vertices: n·(vertex + root·√n) ms, n·(bytes + logarithm·log2 n) bytes, and `direct`
+// of these when handles are factored with it. A rigid step takes `step` ms for each vertex beside its
+// solve, and so do the measures.
 struct MeshCost {
-  double vertex, root, bytes, logarithm;
+  double vertex, root, bytes, logarithm, direct, step;
 
   double milliseconds(double n) const { return n * (vertex + root * std::sqrt(n)); }
   double peak(double n) const { return n * (bytes + logarithm * std::log2(n + 2)); }
@@ -36,14 +40,14 @@ struct MeshCost {
 MeshCost CostsOf(Basis basis) {
   switch (basis) {
     case Basis::kFace:
-      return {1.9e-3, 0.01e-3, 800, 65};
+      return {2.2e-3, 0.0072e-3, 470, 80, 0.79, 9e-6};
     case Basis::kVertex:
-      return {2e-3, 0.031e-3, 2100, 105};
+      return {3.9e-3, 0.029e-3, 600, 180, 1, 42e-6};
     case Basis::kEdge:
     case Basis::kEdgeAsPublished:
       break;
   }
-  return {1.9e-3, 0.024e-3, 1400, 95};
+  return {2.9e-3, 0.0175e-3, 550, 138, 0.9, 15e-6};
 }
 
 struct Sizes {
@@ -57,7 +61,7 @@ Sizes SizesOf(const RegisteredMesh& mesh) {
 }
 
 // What reading a factor costs beside doing so from memory.
-double FromCache(double bytes) { return 0.4 + 0.6 * std::min(1.0, bytes / kCache); }
+double FromCache(double bytes) { return 0.3 + 0.7 * std::min(1.0, bytes / kCache); }
 
 double SolveMilliseconds(double bytes) { return kSolveByte * bytes * FromCache(bytes); }
 
@@ -66,9 +70,10 @@ Cost CostOfRows(const RegisteredMesh& mesh, const RowCount& rows, std::size_t so
                 bool factors) {
   const Sizes size = SizesOf(mesh);
   const double factors_bytes = size.similarity + size.rigid;
-  const double response = kResponseByte * factors_bytes * FromCache(factors_bytes / 3);
+  const double response = kResponseByte * factors_bytes * FromCache(factors_bytes / 3) +
+                          kResponseVertex * size.vertices;
   Cost cost;
-  cost.milliseconds = 0.1 + kBoxTriangle * size.triangles + kRow * static_cast<double>(rows.rows) +
+  cost.milliseconds = 0.03 + kBoxTriangle * size.triangles + kRow * static_cast<double>(rows.rows) +
                       kDepthVertex * size.vertices * static_cast<double>(rows.depths);
   // A handle has one row at least, and an id.
   constexpr std::size_t kHandle = sizeof(PlacedHandle) + 160;
@@ -79,14 +84,15 @@ Cost CostOfRows(const RegisteredMesh& mesh, const RowCount& rows, std::size_t so
     const MeshCost costs = CostsOf(mesh.options().basis);
     // Vertices that are held are no unknowns.
     const double held = std::min(static_cast<double>(rows.held), size.vertices);
-    cost.milliseconds += kDirect * costs.milliseconds(size.vertices - held / 2) +
-                         1.3 * k * response + 5 * kDenseOperation * k * k * k;
-    bytes += costs.peak(size.vertices - held) + 150 * held + 5 * k * k * sizeof(double);
+    cost.milliseconds += kDirect * costs.milliseconds(size.vertices - held) + k * response +
+                         5 * kDenseOperation * k * k * k;
+    bytes +=
+        costs.direct * costs.peak(size.vertices - held) + 150 * held + 5 * k * k * sizeof(double);
   } else {
     const auto k = static_cast<double>(rows.rows), added = static_cast<double>(solved);
-    cost.milliseconds += (added + 0.7) * (response + 3 * kColumnNumber * size.vertices) +
-                         5 * kDenseOperation * k * k * k;
-    bytes += added * 3 * sizeof(double) * size.vertices + 160 * size.vertices +
+    cost.milliseconds += (added + 0.7) * response + 5 * kDenseOperation * k * k * k;
+    // They are solved for eight at a time.
+    bytes += (added * 3 * sizeof(double) + 55 + 15 * std::min(added, 8.0)) * size.vertices +
              k * k * 6 * sizeof(double);
   }
   cost.bytes = static_cast<std::size_t>(bytes);
@@ -137,12 +143,14 @@ Cost EstimateFrame(const CompiledHandles& handles, const DeformOptions& options,
   const CompiledHandlesParts& set = handles.parts();
   const Sizes size = SizesOf(*set.mesh);
   const auto rows = static_cast<double>(set.rows.size());
+  const auto inside = static_cast<double>(set.count.inside);
+  const double step = CostsOf(set.mesh->options().basis).step;
   double steps = options.mode == DeformMode::kSimilarity ? 0 : 1;
   if (options.mode == DeformMode::kRigid) steps += options.refine;
   // Per step and for step 1: solves, and columns that are added to the shape.
   double solve1 = 0, solve2 = SolveMilliseconds(size.rigid), column1 = 0, column2 = 0;
   if (handles.direct()) {
-    const double times = set.count.inside > 0 ? 2 : 1;
+    const double times = inside > 0 ? 2 : 1;
     solve1 = times * SolveMilliseconds(size.similarity);
     solve2 *= times;
   } else {
@@ -150,8 +158,9 @@ Cost EstimateFrame(const CompiledHandles& handles, const DeformOptions& options,
     column2 = 2 * rows * kColumnNumber * size.vertices;
   }
   Cost cost;
-  cost.milliseconds = 0.02 + kFrameVertex * size.vertices + kRow * rows + solve1 + column1 +
-                      steps * (kStepVertex * size.vertices + solve2 + column2);
+  cost.milliseconds = 0.005 + (kFrameVertex + step) * size.vertices + kRow * rows + solve1 +
+                      column1 + steps * (step * size.vertices + solve2 + column2);
+  if (handles.direct()) cost.milliseconds += (1 + steps) / 2 * kInsideNumber * inside * inside;
   cost.bytes = 0;
   if (picks > 0) {
     cost.milliseconds += kBoxTriangle * size.triangles + kPick * static_cast<double>(picks);

@@ -47,13 +47,13 @@ struct VertexCost {
 
   double Similarity(bool edge_cells) const {
     const double fill = std::max(log - 4, 0.5);
-    return edge_cells ? 0.09 * fill + 0.85 * far : 0.08 * fill + 0.25 * far;
+    return edge_cells ? 0.25 * fill + 1.6 * far * std::sqrt(far) : 0.04 * fill + 0.18 * far;
   }
-  double Rigid() const { return 0.055 * std::max(log - 4, 0.5) + 0.03 * far; }
-  double Order() const { return 0.7; }
-  double Spectral(bool edge_cells) const { return (edge_cells ? 3.4 : 1.7) * far; }
-  double Angles() const { return 14 + 7 * far; }  // of an interior vertex
-  double Iteration() const { return 0.08 + 0.028 * std::max(log - 10, 0.0); }
+  double Rigid() const { return 0.045 * std::max(log - 4, 0.5) + 0.03 * far; }
+  double Order() const { return 0.5; }
+  double Spectral(bool edge_cells) const { return 0.1 + (edge_cells ? 0.26 : 0.13) * far * far; }
+  double Angles() const { return 9 + 4 * far; }  // of an interior vertex
+  double Iteration() const { return 0.055 + 0.022 * far; }
   double Injective() const { return 12 + 4 * far; }
 
   double log, far;
@@ -62,17 +62,11 @@ struct VertexCost {
 // Bytes for each vertex of the largest chart, while it is laid flat.
 double LayoutBytes(const FlattenOptions& options, double log) {
   const bool edges = options.energy.basis != Basis::kFace;
-  const bool spectral = options.anchors == FlattenAnchors::kSpectral;
-  double bytes = 560 + 33 * log;
+  double bytes = std::max(380 + 37 * log, 170 * log - 1870);
   if (options.method == FlattenMethod::kAbf) {
-    bytes = 1200 + 108 * log;
+    bytes = 2000 + 60 * log;
   } else if (edges) {
-    bytes = (spectral ? 1.5 : 1) * std::max(170 * log, 310 * log - 1950);
-  } else if (spectral) {
-    bytes = 1050 + 10 * log;
-  } else if (options.method == FlattenMethod::kFirstStep && options.refine == 0) {
-    // Nothing but one factor.
-    bytes = std::max(450.0, 85 * log - 470);
+    bytes = std::max({300.0, 260 * log - 1100, 400 * log - 3150});
   }
   return options.injective ? std::max(bytes, 2000 + 140 * log) : bytes;
 }
@@ -133,34 +127,42 @@ FlattenCost EstimateFlatten(const SurfaceSize& size, const FlattenOptions& optio
   const auto charts = static_cast<double>(size.charts + options.cut.seams.size() / 3);
   const std::size_t largest = size.largest > 0 ? size.largest : size.vertices;
   const VertexCost cost(largest);
+  double total = 0.6 * triangles + 15 * charts;  // microseconds
   double micros = cost.Similarity(edges && !abf) + cost.Order();
   if (spectral) micros += cost.Spectral(edges && !abf);
   int iterations = options.refine;
   if (options.refine_stop >= kServiceRefineStop)
     iterations = std::min(iterations, kUsualRefinements);
   if (options.method == FlattenMethod::kArap) ++iterations;
-  if (iterations > 0) micros += cost.Rigid();
+  if (iterations > 0) {
+    micros += cost.Rigid();
+    total += 8 * charts;
+  }
   // EDGE cells are refined with FACE cells, which are factored too.
   if (options.method == FlattenMethod::kArap && edges && options.refine > 0) micros += cost.Rigid();
   micros += iterations * cost.Iteration();
   if (SolvesForPins(options)) {
-    micros += 1.2 * static_cast<double>(options.pins.size()) * cost.Iteration();
+    total += 2.6 * static_cast<double>(options.pins.size()) * cost.Iteration() *
+             static_cast<double>(largest);
   }
   if (options.injective) micros += cost.Injective();
-  double total = vertices * micros + triangles + 17 * charts;
+  total += vertices * micros;
   if (abf) total += std::max(0.0, triangles - vertices + 2 * charts) * cost.Angles();
   if (options.cut.auto_cut) total += 2.5 * triangles;
 
   // Surfaces with EDGE cells or angles have the edges, too, and those that are kept.
-  double bytes = 1.5e6 + (edges || abf || keep ? 420 : 320) * vertices + 750 * charts;
+  double bytes = 4e5 + (edges || abf || keep ? 340 : 270) * vertices + 900 * charts;
   double layout = LayoutBytes(options, cost.log);
-  if (SolvesForPins(options)) layout += 250;
+  if (SolvesForPins(options)) layout += 350;
   bytes += layout * static_cast<double>(largest);
-  // Of all charts the factors stay: of ARAP those of both steps. What a small chart keeps of a layout that
-  // needs one factor is nearly all.
+  // The factors of all charts stay, of ARAP those of both steps; those of the largest are partly what it
+  // took to lay it flat. Tiny charts have no fill.
   if (keep) {
     const bool both = options.method == FlattenMethod::kArap;
-    bytes += (both ? 0.8 * layout : 0.35 * std::max(layout, 1050 + 10 * cost.log)) * vertices;
+    const auto large = static_cast<double>(largest);
+    bytes += (both ? 0.5 : 0.15) * layout * large +
+             std::min((both ? 0.95 : 0.6) * layout, 38 * large) * (vertices - large);
+    total += 30 * charts;
   }
   return {1e-3 * total, static_cast<std::size_t>(bytes)};
 }

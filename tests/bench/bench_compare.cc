@@ -17,6 +17,7 @@
 #include "tests/bench/compare_runs.h"
 #include "tests/bench/contenders.h"
 #include "tests/bench/deform_section.h"
+#include "tests/bench/estimates_section.h"
 #include "tests/bench/flatten_section.h"
 #include "tests/bench/layouts_section.h"
 #include "tests/bench/surfaces_table.h"
@@ -97,6 +98,11 @@ Json LayoutsSection(const Options&) {
   return section;
 }
 
+// The grid of sizes, or a million alone.
+Json EstimatesSection(const Options& options) {
+  return MeasureEstimates(options.sizes == std::vector<std::string>{"1m"});
+}
+
 struct Section {
   std::string only;  // the name that --only takes
   std::string name;  // in the JSON
@@ -110,6 +116,7 @@ const std::vector<Section>& Sections() {
        [](const Options& o) { return DeformSection(o, CharacterScene); }},
       {"flatten", "flatten", FlattenSection},
       {"layouts", "layouts", LayoutsSection},
+      {"estimates", "estimates", EstimatesSection},
   };
   return sections;
 }
@@ -159,7 +166,7 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingFile);
   app.add_option("--only", options.only, "sections to run")
       ->delimiter(',')
-      ->check(CLI::IsMember({"deform", "flatten", "layouts"}));
+      ->check(CLI::IsMember({"deform", "flatten", "layouts", "estimates"}));
   app.add_option("--sizes", options.sizes, "vertices to deform, triangles to flatten")
       ->delimiter(',')
       ->check(CLI::IsMember(kSizes));

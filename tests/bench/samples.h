@@ -32,6 +32,7 @@ class Samples {
   }
 
   // Microseconds.
+  double Least() const { return *std::min_element(micros_.begin(), micros_.end()); }
   double Median() const {
     auto sorted = micros_;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);

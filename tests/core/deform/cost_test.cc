@@ -88,6 +88,13 @@ TEST(CostTest, CoversTheMemoryThatIsKept) {
   }
 }
 
+// An owner has 4 GiB unless told otherwise, and a mesh a million vertices at most.
+TEST(CostTest, TheLargestMeshIsAccepted) {
+  for (const Basis basis : {Basis::kEdge, Basis::kFace, Basis::kVertex}) {
+    EXPECT_LT(EstimateRegistration(1'000'000, basis).bytes, std::size_t{4} << 30);
+  }
+}
+
 TEST(CostTest, CountsTheHandlesAndTheirIds) {
   const PlanarMesh mesh = JitteredGrid(10, 10, 2);
   const auto registered = Register(mesh);

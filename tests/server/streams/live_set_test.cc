@@ -77,7 +77,7 @@ TEST(LiveSetTest, ALongFrameHasTheSameBytesWhoeverHelps) {
                            {AtVertex("a", 0), AtVertex("b", 140), AtVertex("c", 9'800)});
   std::vector<Target> targets = entry.handles->RestTargets();
   targets[2].position += Complex(30, -20);
-  const DeformOptions options{DeformMode::kRigid, 40};
+  const DeformOptions options{DeformMode::kRigid, 100};
   ASSERT_GT(EstimateFrame(*entry.handles, options).seconds(), kLongFrameSeconds);
 
   runtime::Metrics metrics;
