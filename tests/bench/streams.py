@@ -119,8 +119,9 @@ class Panel:
         last, text = -math.inf, ""
         for x, y, colour, name in sorted(self.names, key=lambda one: one[1]):
             if x < self.left + self.width:
-                # Above the end of its line: beside it other lines go on.
-                text += f'<text x="{x - 12:.1f}" y="{y - 10:.1f}" text-anchor="end" fill="{colour}">{name}</text>\n'
+                # Above the end of its line: beside it other lines go on. Further from it where longer lines have theirs.
+                before = 12 * sum(self.x(count) > x for count in self.columns)
+                text += f'<text x="{x - before:.1f}" y="{y - 10:.1f}" text-anchor="end" fill="{colour}">{name}</text>\n'
                 continue
             last = max(y, last + 15)
             text += f'<text x="{x + 8:.1f}" y="{last + 4:.1f}" fill="{colour}">{name}</text>\n'
