@@ -83,10 +83,10 @@ class Stage {
     return true;
   }
 
-  // The attacker has what the server and the bystander leave of the processor: what it computes
-  // itself, on a machine of its own, is not to disturb anybody.
+  // The attacker has what the server and the bystander leave of the processor, and gives it up at once: what it computes
+  // itself, on a machine of its own, would not disturb anybody.
   void StartAttacker() {
-    if (!attacker_.Launch({"/usr/bin/nice", "-n", "19", options_.self, "--as-attacker",
+    if (!attacker_.Launch({"/usr/bin/chrt", "--idle", "0", options_.self, "--as-attacker",
                            attack_.name, server_.address(), admin_, attacker_token_.Text()},
                           server_.folder() / "attacker")) {
       return;
