@@ -15,13 +15,13 @@ enum class ProductCode { kPlain, kAvx2, kAvx512 };
 // The fastest of this processor.
 ProductCode BestProductCode();
 
-// Numbers of one matrix, `stride` apart from column to column.
+// A dense matrix, column by column; columns begin `stride` numbers apart.
 struct BlockView {
   const double* numbers;
   std::size_t stride;
 };
 
-// What a machine code puts its products together from.
+// Memory of the machine codes: the product, and copies of the operand that are laid out for the registers.
 struct ProductScratch {
   std::vector<double> product, rows, columns;
 };
@@ -39,11 +39,11 @@ class BlockProducts {
   void Square(BlockView x, std::size_t rows, std::size_t columns, std::size_t depth) {
     stride_ = square_(x, rows, columns, depth, scratch_);
   }
-  // Number (r, c) of the last one is column(c)[r]; r ≥ c, and of an odd column the number above its diagonal.
+  // Entry (r, c) of the last product is column(c)[r], for r ≥ c; in odd columns also for r = c − 1.
   const double* column(std::size_t c) const { return scratch_.product.data() + c * stride_; }
 
  private:
-  // Returns the numbers from column to column.
+  // Returns how many numbers apart the columns of the product begin.
   using SquareCode = std::size_t (*)(BlockView x, std::size_t rows, std::size_t columns,
                                      std::size_t depth, ProductScratch& scratch);
 

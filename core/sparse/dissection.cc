@@ -12,8 +12,8 @@ namespace {
 std::size_t Index(int i) { return static_cast<std::size_t>(i); }
 int Int(std::size_t n) { return static_cast<int>(n); }
 
-// The edges between two sides, and the fewest vertices that all of them end in (König): those are as many as edges that
-// have no end in common. Left and right vertices are numbered from 0.
+// The edges between a left and a right side, and the smallest set of vertices that has an end of every edge. It is read
+// off a largest matching, which has as many edges as the set has vertices (König). Vertices of a side count from 0.
 class EdgeCover {
  public:
   void Clear() {
@@ -28,7 +28,7 @@ class EdgeCover {
   void EndLeft() { begin_.push_back(ends_.size()); }
   std::size_t lefts() const { return begin_.size() - 1; }
 
-  // Whether the vertices are of it.
+  // Finds the set: afterwards left(l) and right(r) say whether a vertex belongs to it.
   void Find() {
     left_of_.assign(rights_, -1);
     seen_.assign(rights_, -1);
@@ -36,7 +36,8 @@ class EdgeCover {
     for (std::size_t l = 0; l < lefts(); ++l) {
       if (!Pair(Int(l), Int(l))) alone.push_back(Int(l));
     }
-    // What leads to an edge more from a vertex that stayed alone.
+    // From left vertices without a partner, walk along any edge to the right and back along the matching. What this
+    // reaches on the right belongs to the set, and what it does not reach on the left.
     left_.assign(lefts(), true);
     right_.assign(rights_, false);
     for (const int l : alone) left_[Index(l)] = false;
@@ -57,9 +58,9 @@ class EdgeCover {
   bool right(std::size_t r) const { return right_[r]; }
 
  private:
-  // Gives l an edge of its own, if need be by giving others another one.
+  // Matches l, if need be by matching other left vertices anew. Returns whether that was possible.
   bool Pair(int l, int round) {
-    // The vertices that give way to one another, each with its next edge to be tried.
+    // Left vertices, each of which would take the partner of the next one; with the edge that it tries next.
     path_.assign(1, {l, begin_[Index(l)]});
     while (!path_.empty()) {
       auto& [left, edge] = path_.back();
@@ -116,7 +117,7 @@ class Dissection {
  private:
   // Parts of fewer vertices are left to minimum degree.
   static constexpr std::size_t kLeaf = 2000;
-  // A cut of more than so many times the root of a part's vertices is none.
+  // A cut does not pay when it has more vertices than this times the square root of the part's.
   static constexpr double kLongest = 8;
 
   struct Part {
@@ -186,7 +187,7 @@ class Dissection {
     return true;
   }
 
-  // Those on the lower half of the longer side come first.
+  // Reorders the part's vertices: first those on the lower half along its longer side.
   void Halve(const Part& part) {
     constexpr double kInf = std::numeric_limits<double>::infinity();
     double low[2]{kInf, kInf}, high[2]{-kInf, -kInf};
@@ -206,7 +207,7 @@ class Dissection {
     for (std::size_t k = 0; k < along_.size(); ++k) vertices_[part.begin + k] = along_[k].second;
   }
 
-  // Leaves the cut out of the part. Where its second half begins.
+  // Moves the part's vertices together without those of the cut. Returns where its second half begins.
   std::size_t Separate(const Part& part) {
     const std::size_t half = (part.begin + part.end) / 2;
     std::size_t to = part.begin, middle = 0;
@@ -223,7 +224,7 @@ class Dissection {
   std::vector<std::size_t> begin_;
   std::vector<int> neighbours_;  // of vertex v from begin_[v] on
   std::vector<int> vertices_;    // part by part
-  std::vector<int> part_;        // #n, that a vertex is in, or kCut
+  std::vector<int> part_;        // #n, the part that a vertex is in, or kCut
   int parts_ = 1;
   std::vector<std::pair<double, int>> along_;
   std::vector<int> place_;  // of right ends, while a part is cut

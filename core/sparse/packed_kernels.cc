@@ -22,8 +22,8 @@ ARAP_WIDE_BODY bool IsZero(const double* x, std::size_t count) {
   return true;
 }
 
-// Real factors. What is a lane here are the columns of a panel; a right-hand side is a pair of numbers, and kPairs of
-// them go through together.
+// Real factors. The lanes of a register are the columns of a panel. A right-hand side is a pair of numbers (x and y of a
+// shape), and kPairs of them are solved together.
 
 // kLanes neighbouring numbers of a factor.
 template <std::size_t kLanes>
@@ -62,9 +62,9 @@ ARAP_WIDE_BODY void Fold(const Lanes<8> (&x)[1], const Lanes<8> (&y)[1], Pair& s
   Fold(half_x, half_y, sum);
 }
 
-// x := M x for the inverse M of the diagonal block, then rows −= L x. kMost is how many numbers a register holds. What
-// is read after a panel lies before it, where no processor looks ahead: row by row the numbers of a later one are asked
-// for, from `next` on.
+// x := M x for the inverse M of the diagonal block, then rows −= L x. kMost is how many numbers a register holds. The
+// panel that is read after this one lies before it in memory, which processors do not foresee. So with each row some
+// numbers of a later panel are prefetched, from `next` on.
 template <std::size_t kMost, std::size_t kPairs, std::size_t kWidth>
 ARAP_WIDE_BODY void Forward(const double* m, const std::uint32_t* rows, std::size_t count,
                             std::size_t first, const double* next, double* x) {
@@ -119,7 +119,7 @@ ARAP_WIDE_BODY void Backward(const double* m, const std::uint32_t* rows, std::si
   constexpr std::size_t kFilled = Filled(kWidth), kLanes = kMost < kFilled ? kMost : kFilled,
                         kParts = kFilled / kLanes;
   for (std::size_t p = 0; p < kPairs; ++p) {
-    // Every other row is added up apart: additions wait for one another half as long.
+    // Even and odd rows have sums of their own, so that an addition waits only for the last but one.
     Lanes<kLanes> sum_x[2][kParts], sum_y[2][kParts];
 #pragma GCC unroll 4
     for (std::size_t i = 0; i < kParts; ++i) {
@@ -208,7 +208,7 @@ ARAP_WIDE_BODY void OnePanel(const PackedPanels& factor, const Panel& panel, con
   }
 }
 
-// How many panels ahead.
+// How many panels ahead numbers are prefetched.
 constexpr std::size_t kAhead = 4;
 
 // Where a panel's own numbers are all 0 it changes nothing below: a right-hand side with few other
