@@ -77,7 +77,8 @@ int Numbers(const Eigen::SparseMatrix<Scalar>& lower, cholmod_factor& f, cholmod
   return definite ? CHOLMOD_OK : CHOLMOD_NOT_POSDEF;
 }
 
-// The same for a packed one, of which `f` has the pattern. Pack makes panels of what it writes.
+// The same for a packed factor with the pattern of `f`. Writes the dense blocks; Pack must follow, which makes panels of
+// them.
 template <class Scalar>
 int Numbers(const Eigen::SparseMatrix<Scalar>& lower, const cholmod_factor& f,
             std::optional<PackedFactor<Scalar>>& packed) {
@@ -109,9 +110,9 @@ class FactorData {
 
   CholmodCommon common;
   FactorLayout layout = FactorLayout::kSupernodal;
-  cholmod_factor* factor =
-      nullptr;  // of a packed one the pattern, until there will be no more numbers
-  // The one of the factor's scalar, when it is packed.
+  // Of a packed factor it has the pattern alone, and is dropped when there will be no further matrix.
+  cholmod_factor* factor = nullptr;
+  // If the factor is packed, the one of its scalar type.
   std::optional<PackedFactor<double>> real;
   std::optional<PackedFactor<std::complex<double>>> complex;
 };
@@ -130,7 +131,7 @@ class Workspace::Data {
       cholmod_free_dense(&b->e, common.get());
     }
   }
-  // Room for the solutions of so many shapes, and for a pass over them.
+  // Returns memory for the solutions of so many shapes, and makes sure that there is scratch for solving.
   std::complex<double>* Points(const PackedFactor<double>& factor, std::size_t shapes) {
     if (x.size() < 2 * factor.size() * shapes) x.resize(2 * factor.size() * shapes);
     if (lanes.size() < factor.ScratchSize()) lanes.resize(factor.ScratchSize());
@@ -170,8 +171,8 @@ Result<std::unique_ptr<Factor<Scalar>>> Factor<Scalar>::Analyse(
   }
   constexpr Eigen::Index kMany = 40'000;
   if (layout == FactorLayout::kSupernodal && lower.rows() > kMany) {
-    // Narrower still where the factor is not laid out anew: 7 % less memory. Smaller ones, which lie in the caches, would
-    // take 9 % more time.
+    // Large factors that are not packed have narrower supernodes still, which saves 7 % of their memory. Small factors lie
+    // in the caches, where narrower supernodes would take 9 % more time.
     common->nrelax[0] = 1, common->nrelax[1] = 4, common->nrelax[2] = 16;
     common->zrelax[0] = 0.5, common->zrelax[1] = 0.05, common->zrelax[2] = 0.01;
   }

@@ -49,8 +49,8 @@ double* PutInverse(const Scalar* block, std::size_t stride, std::size_t width, d
   return out;
 }
 
-// On a cache line, and not set to 0: memory that is not written yet is not there yet. What many pages would hold is
-// asked for in large ones: reading it in order stops at the end of each.
+// Begins on a cache line. The numbers are not set to 0, because the system provides a page only when it is first written.
+// Large arrays ask for large pages, because processors stop reading ahead at the end of each page.
 double* AllocateNumbers(std::size_t count) {
   constexpr std::size_t kLine = 64, kLargePage = std::size_t{2} << 20u;
   const std::size_t bytes = count * sizeof(double);
@@ -62,11 +62,11 @@ double* AllocateNumbers(std::size_t count) {
   return static_cast<double*>(memory);
 }
 
-// Of `allocated` numbers the first `kept`, and what shares pages with them, stay. Returns how many do at
-// most: the same number wherever the memory lies, as budgets and reports count it.
+// Gives whole pages behind the first `kept` of `allocated` numbers back to the system. Returns how many numbers stay at
+// most, which does not depend on where the memory lies: budgets and reports of one mesh are always the same.
 std::size_t KeepNumbers(double* numbers, std::size_t kept, std::size_t allocated) {
   constexpr std::uintptr_t kPage = 4096, kLeast = 16 * kPage;
-  // Beside the pages between are parts of one at either end.
+  // The pages at both ends may be shared with numbers that stay, or with other memory.
   constexpr std::size_t kEnds = 2 * kPage / sizeof(double);
   if ((allocated - kept) * sizeof(double) < kLeast + 2 * kPage) return allocated;
   const auto start = reinterpret_cast<std::uintptr_t>(numbers);
@@ -76,8 +76,9 @@ std::size_t KeepNumbers(double* numbers, std::size_t kept, std::size_t allocated
   return kept + kEnds;
 }
 
-// Whole subtrees of at most `most` numbers, as ranges of supernodes, ascending; what is in none of them is above them
-// all. CHOLMOD numbers a subtree one after the other; of an order that does not, less is found.
+// The largest subtrees of the elimination tree that have at most `most` numbers, as ascending ranges of supernodes.
+// Every supernode outside of them is an ancestor of some. CHOLMOD numbers the supernodes of a subtree consecutively; in
+// an order that does not, fewer subtrees are found.
 std::vector<PanelRange> SubtreesOf(const SupernodalPattern& l, std::size_t most) {
   const std::size_t count = l.first.size() - 1;
   std::vector<std::size_t> numbers(count), members(count, 1), lowest(count);
@@ -130,7 +131,7 @@ PackedFactor<Scalar>::PackedFactor(const SupernodalPattern& l, std::size_t part_
     first_panel[s] = panels_.panels.size();
     block_begin_[s] = static_cast<int>(blocks);
     blocks += width * height;
-    // Filled up, the panels so far may take more than their blocks.
+    // Rows of panels are filled up with zeros, so the panels so far may take more numbers than their blocks.
     if (panels_.numbers > room_ + blocks * kNumbers<Scalar>)
       room_ = panels_.numbers - blocks * kNumbers<Scalar>;
   }
@@ -172,8 +173,8 @@ void PackedFactor<Scalar>::GiveBackRoom() {
   block_begin_ = {};
 }
 
-// Calls visit(begin, end) for the columns of every panel of a supernode, the last first. Real ones are as wide as can
-// be, because narrower ones are filled up; complex ones are of equal width.
+// Calls visit(begin, end) for the columns of every panel of a supernode, the last panel first. Real panels are as wide as
+// possible, because the rows of narrow ones are filled up with zeros; complex panels share the columns equally.
 template <class Scalar>
 template <class Visit>
 void PackedFactor<Scalar>::ForEachPanel(std::size_t width, Visit visit) {

@@ -27,20 +27,20 @@ struct PointSolve {
 template <class Scalar>
 class PackedFactor {
  public:
-  // Lays the panels out and takes memory for them; they have no numbers yet. Above four times `part_numbers` the factor
-  // is cut into parts of at most so many numbers.
+  // Lays the panels out and allocates their memory; Pack gives them numbers. A factor of more than four times
+  // `part_numbers` numbers is cut into parts of at most `part_numbers` each, which several threads can solve with.
   explicit PackedFactor(const SupernodalPattern& l, std::size_t part_numbers = kPartNumbers);
 
-  // Where L is to be written before Pack: the block of supernode s at blocks() + block_begin()[s]. They lie in the
-  // memory of the panels, the last one first, as Pack takes them: a factor is never there twice, and every page of it
-  // is asked for once.
+  // Before Pack, the dense block of every supernode s of L is written to blocks() + block_begin()[s]. Blocks share the
+  // memory of the panels and lie in the order in which Pack takes them, the last supernode first. So there is never a
+  // second copy of a factor, and the system provides each of its pages once.
   std::span<const int> block_begin() const { return block_begin_; }
   Scalar* blocks() { return reinterpret_cast<Scalar*>(panels_.values.get() + room_); }
 
   // Makes panels of the blocks, which are lost. Can be repeated with new blocks.
   void Pack(const SupernodalPattern& l);
 
-  // Gives back the memory that the blocks took beyond the panels, when there will be no others.
+  // Gives back the memory that blocks need beyond that of the panels. Pack must not be called again.
   void GiveBackRoom();
 
   std::size_t size() const { return order_.size(); }
@@ -49,7 +49,7 @@ class PackedFactor {
 
   // Numbers that Solve needs as scratch.
   std::size_t ScratchSize() const { return 4 * (size() + panels_.copies) + kAlign; }
-  // That one right-hand side after another may be computed by several threads.
+  // How many parts several threads can take at the same time; 0 for a factor that is not cut.
   std::size_t parts() const { return panels_.parts.size(); }
 
   // Solves A `solution` = `right` (#n·columns, column by column). A column's bytes do not depend on

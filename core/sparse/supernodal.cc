@@ -35,7 +35,8 @@ void SubtractTimes(const std::complex<double>* other, std::complex<double> f, st
   }
 }
 
-// conj(y) x for complex numbers x of row i and y, of which `by_re` and `by_im` are the products with both numbers of y.
+// conj(y) x, where x is the complex number of row i: `by_re` holds the products of all rows with the real part of y,
+// `by_im` those with its imaginary part.
 Pair Taken(const double* by_re, const double* by_im, std::size_t i) {
   const Pair p = *reinterpret_cast<const Pair*>(by_re + 2 * i),
              q = *reinterpret_cast<const Pair*>(by_im + 2 * i);
@@ -136,7 +137,7 @@ class Factorisation {
     return entry >= 0 ? matrix_[entry] : Eigen::numext::conj(matrix_[~entry]);
   }
 
-  // The block of s is that of the matrix.
+  // Sets the block of s to the numbers of the matrix.
   void Start(std::size_t s) {
     const std::size_t height = HeightOf(s);
     const int* rows = RowsOf(s);
@@ -151,7 +152,7 @@ class Factorisation {
     }
   }
 
-  // `s` is a matter of the supernode that its next row belongs to.
+  // Puts s on the list of the supernode that its next row belongs to.
   void Enlist(std::size_t s) {
     if (position_[s] == HeightOf(s)) return;
     const auto to =
@@ -178,7 +179,7 @@ class Factorisation {
     }
   }
 
-  // Takes from the block of s what the columns of d do there.
+  // Subtracts from the block of s what the columns of d contribute to it.
   void Subtract(std::size_t d, std::size_t s) {
     const std::size_t begin = position_[d], height = HeightOf(d);
     const int* rows = RowsOf(d);
@@ -202,7 +203,7 @@ class Factorisation {
     Enlist(d);
   }
 
-  // Factors columns [from, to) of a block, which lack nothing but one another.
+  // Factors columns [from, to) of a block. The contributions of all columns before `from` have been subtracted.
   bool Columns(Scalar* block, std::size_t height, std::size_t from, std::size_t to) {
     if (to - from <= kOneByOne) return OneByOne(block, height, from, to);
     const std::size_t middle = from + (to - from) / 2;
@@ -240,12 +241,13 @@ class Factorisation {
   Scalar* values_;
   BlockProducts products_;
   std::size_t supernodes_ = 0;
-  // Column c of the factor has of the matrix the rows row_[begin_[c]]…, and their numbers at entry_[begin_[c]]… of
-  // matrix_: ~entry where that is the conjugate.
+  // The entries of the matrix in column c of the factor are begin_[c]…begin_[c + 1]−1: entry k is in row row_[k] and has
+  // the number matrix_[entry_[k]], or the conjugate of matrix_[~entry_[k]] where entry_[k] is negative.
   std::vector<int> begin_, row_, entry_;
   std::vector<int> supernode_of_;  // #n, of a column
   std::vector<int> row_in_;        // #n, of a row in the block that is being made
-  // Supernodes that have rows in one that is still to come, as lists; and how far their rows are done with.
+  // A list for every supernode that is not made yet: the finished ones that contribute to it next (first_pending_ and
+  // next_). position_ is the first row of a finished one whose contribution is still missing.
   std::vector<int> first_pending_, next_;
   std::vector<std::size_t> position_;
   std::vector<std::size_t> relative_;
