@@ -124,7 +124,8 @@ FlattenCost EstimateFlatten(const SurfaceSize& size, const FlattenOptions& optio
   const auto vertices = static_cast<double>(size.vertices);
   const auto triangles = static_cast<double>(size.triangles);
   // A seam parts a chart at most once in three edges.
-  const auto charts = static_cast<double>(size.charts + options.cut.seams.size() / 3);
+  const std::size_t most_charts = size.charts + options.cut.seams.size() / 3;
+  const auto charts = static_cast<double>(most_charts);
   const std::size_t largest = size.largest > 0 ? size.largest : size.vertices;
   const VertexCost cost(largest);
   double total = 0.6 * triangles + 15 * charts;  // microseconds

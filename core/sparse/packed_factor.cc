@@ -64,7 +64,7 @@ double* AllocateNumbers(std::size_t count) {
 
 // Gives whole pages behind the first `kept` of `allocated` numbers back to the system. Returns how many numbers stay at
 // most, which does not depend on where the memory lies: budgets and reports of one mesh are always the same.
-std::size_t KeepNumbers(double* numbers, std::size_t kept, std::size_t allocated) {
+std::size_t KeepNumbers(const double* numbers, std::size_t kept, std::size_t allocated) {
   constexpr std::uintptr_t kPage = 4096, kLeast = 16 * kPage;
   // The pages at both ends may be shared with numbers that stay, or with other memory.
   constexpr std::size_t kEnds = 2 * kPage / sizeof(double);

@@ -33,6 +33,7 @@ class Job;
 class Session;
 class StreamDeformRequest;
 class StreamDeformResponse;
+enum Delivery : int;
 }  // namespace arap::v1
 namespace arap::app {
 struct HandleSetEntry;
@@ -106,7 +107,7 @@ Result<ShapeOptions> FromWire(const v1::DeformOptions& options, const Limits& li
 
 // How long a shape waited and, with others that were computed together, is being worked on.
 struct ShapeTimes {
-  double queue_micros;
+  double queue_micros = 0;
   const runtime::WallTimer& working;
   std::size_t shapes = 1;
 };

@@ -105,11 +105,11 @@ Json FrameCell(const HandlesPointer& handles, const DeformOptions& options, std:
 }
 
 const std::vector<std::string>& DeformColumns() {
-  static const std::vector<std::string> columns{
+  static const std::vector<std::string> kColumns{
       "register",   "8 handles",       "60",   "120",   "200 hard",
       "hard area",  "soft area",       "+1",   "frame", "refine 10",
       "frame, 120", "frame, 200 hard", "picks"};
-  return columns;
+  return kColumns;
 }
 
 Json DeformCells(const MeshRow& row) {

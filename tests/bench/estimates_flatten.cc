@@ -64,11 +64,11 @@ FlattenOptions WithPins(const SurfaceMesh& mesh, FlattenOptions options, std::ui
 }
 
 const std::vector<std::string>& FlattenColumns() {
-  static const std::vector<std::string> columns{
+  static const std::vector<std::string> kColumns{
       "ARAP",         "two steps",        "LSCM",       "LSCM, centre edge",
       "ABF",          "first step, EDGE", "ARAP, EDGE", "EDGE, spectral",
       "ARAP, 8 pins", "ARAP, kept",       "LSCM, kept"};
-  return columns;
+  return kColumns;
 }
 
 // `chart`: vertices of each.
