@@ -84,8 +84,8 @@ class PackedFactor {
   std::vector<int> order_;
   PackedPanels panels_;
   std::vector<int> block_begin_;
-  std::size_t room_ =
-      0;  // numbers before the first block, so that no panel reaches a block that is not packed
+  // Numbers before the first block, so that no panel reaches a block that is not packed.
+  std::size_t room_ = 0;
   std::size_t allocated_ = 0;  // numbers
 };
 

@@ -1,10 +1,6 @@
-#include <algorithm>
 #include <cstdint>
 #include <memory>
-#include <optional>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include <arap/v1/deformation_service.pb.h>
 #include <fmt/format.h>

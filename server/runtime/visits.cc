@@ -28,23 +28,23 @@ WorkerPool::Visit WorkerPool::TryVisit(Share share) {
   if (options_.visitors == 0 || share.seconds > options_.visit_seconds) return nullptr;
   const Time now = steady_clock::now();
   if (now - last_visit < kBreath) return nullptr;
-  auto worker = std::make_unique<Worker>(Worker{*this, 0});
-  worker->share = std::move(share);
-  worker->since = worker->turn = worker->clock = now;
-  worker->paid = Queue::Paid(worker->share);
+  std::unique_ptr<Worker> worker;
   {
     const MutexLock lock(&mutex_);
-    const std::string& owner = worker->share.owner;
-    if (stopped_ || visitors_ == options_.visitors || !queue_.WouldBeNext(owner)) return nullptr;
-    if (!HasPlaceLocked() && !HasShortPlaceLocked() && OwnerRunsLocked(owner)) return nullptr;
-    ++visitors_;
+    if (stopped_ || visitors_ == options_.visitors || !queue_.WouldBeNext(share.owner))
+      return nullptr;
+    if (!HasPlaceLocked() && !HasShortPlaceLocked() && OwnerRunsLocked(share.owner)) return nullptr;
+    worker = std::make_unique<Worker>(Worker{*this, 0});
+    worker->share = std::move(share);
+    worker->since = worker->turn = worker->clock = now;
+    worker->paid = Queue::Paid(worker->share);
     // It comes and is taken, as everybody's job.
     queue_.Push({worker->share, now, {}}, false);
     queue_.Pop();
-    const std::size_t workers = jobs_.size() - options_.visitors;
-    worker->thread = workers;
+    worker->thread = jobs_.size() - options_.visitors;
     while (jobs_[worker->thread]) ++worker->thread;
-    jobs_[worker->thread] = Running{now, worker->share.seconds, owner};
+    jobs_[worker->thread] = Running{now, worker->share.seconds, worker->share.owner};
+    ++visitors_;
   }
   if (options_.metrics != nullptr) options_.metrics->Queue(options_.name, 0);
   return Visit(worker.release());
